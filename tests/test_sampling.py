@@ -19,10 +19,9 @@ from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml
 from studies.locks import law
-from studies.locks.errors import law_table, unit_loads
 from studies.locks.freedoms import freedoms_table
-from studies.locks.points import points_of
-from studies.locks.sensitivity import VARIED, sensitivity_table
+from studies.locks.tables import law_table, points_of, unit_loads
+from studies.locks.variation import VARIED, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.sampling import SampledJoint, sampled_joints
 from workflow.schema.joint import SamplingSection

@@ -52,8 +52,9 @@ def _is_package(module: str) -> bool:
 
 
 def _parents(module: str) -> Iterator[str]:
+    """The packages that a module is in, but for those without a file of their own."""
     parts = module.split(".")
-    return (".".join(parts[:count]) for count in range(1, len(parts)))
+    return filter(source, (".".join(parts[:count]) for count in range(1, len(parts))))
 
 
 @cache

@@ -11,8 +11,7 @@ from matplotlib.ticker import NullFormatter
 from analysis.drawing.labels import rule_name
 from analysis.figures import style
 from sidmacib.rule.pairs import Pairs
-from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
-from studies.locks.points import POINTS
+from studies.locks.tables import JOINT, POINTS, brittle_odd_joints, known, rule_errors
 from workflow.results.tables import read_table
 from workflow.step import Arguments, FileLists, Files, step
 

@@ -15,8 +15,7 @@ import pandas as pd
 
 from sidmacib.contact_points.options import OPTIONS, ContactOption
 from sidmacib.mechanics.assembly import Floats
-from studies.locks.errors import brittle_odd_joints, by_locks, unit_loads
-from studies.locks.points import POINTS
+from studies.locks.tables import POINTS, brittle_odd_joints, by_locks, unit_loads
 from workflow.results.tables import Table, read_table, write_table
 from workflow.step import Arguments, Files, step
 

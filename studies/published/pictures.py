@@ -1,25 +1,31 @@
-"""The moving picture of the README: a joint that is loaded, what fails first, and what is left.
+"""Pictures of the README: a joint that is loaded, and the blocks of a joint, apart and together.
 
-Run it as ``python -m studies.published.hero docs/images/first_failure.gif``: the static model of a
-sample of ``config.yaml``, so that the picture changes only if the model does.
+``python -m studies.published.pictures docs/images`` draws both. The moving one shows what fails
+first, and what is left: the static model of a sample of ``config.yaml``, so that it changes only if
+the model does. Blocks are those of a joint of five locks.
 """
 
 import argparse
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from PIL import Image, ImageSequence
 
 from analysis.drawing.boxes import MM
 from analysis.vtk import displacements
-from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
+from sidmacib.build.solids import Clearance, Solid, solids
+from sidmacib.build.sources import joint_blocks
+from sidmacib.build.views import view
+from sidmacib.drawing import BLACK, BLUE, GREY, ORANGE, VERMILION
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import lock_faces, upper_block
@@ -35,7 +41,7 @@ RISING, BEHIND = 14, 22  # frames, at most
 STILL = 7  # frames in which nothing moves: at the first failure, the peak and the end
 RATE = 6  # frames a second
 WIDEST = 0.22  # of a lock's width: the largest displacement that is drawn
-PALETTE_SIZE = 96  # of the picture
+FILM_COLOURS = 96
 PLACES = ((0.0, 0.1, 0.66, 0.78), (0.735, 0.17, 0.25, 0.7))  # of map and curve in the figure
 
 
@@ -134,7 +140,7 @@ def draw(axes: Axes, film: Film, point: Equilibrium, scale: float) -> None:
         axes.text(y, 0.78 * MM * joint.a, f"lock {lock}", ha="center", fontsize=9)
 
 
-def picture(film: Film, path: Path) -> None:
+def draw_film(film: Film, path: Path) -> None:
     """Write the film as a GIF that is played three times."""
     joint, share = film.joint, 1.0 / np.hypot(1.0, RATIO)
     every = [*film.path, *film.behind]
@@ -201,7 +207,7 @@ def _line(
 
 
 def _fewer_colours(path: Path) -> None:
-    """Make the GIF smaller: `PALETTE_SIZE` for all frames, and three times in all."""
+    """Make the GIF smaller: `FILM_COLOURS` for all frames, and three times in all."""
     with Image.open(path) as gif:
         frames = [each.convert("RGB") for each in ImageSequence.Iterator(gif)]
         times = [each.info.get("duration", 1000 // RATE) for each in ImageSequence.Iterator(gif)]
@@ -209,14 +215,72 @@ def _fewer_colours(path: Path) -> None:
     strip = Image.new("RGB", (frames[0].width, frames[0].height * len(shown)))
     for place, frame in enumerate(shown):
         strip.paste(frame, (0, place * frame.height))
-    palette = strip.quantize(PALETTE_SIZE, method=Image.Quantize.MAXCOVERAGE)
+    palette = strip.quantize(FILM_COLOURS, method=Image.Quantize.MAXCOVERAGE)
     drawn = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
     drawn[0].save(
         path, save_all=True, append_images=drawn[1:], duration=times, loop=2, optimize=True
     )
 
 
+JOINT = Joint(5, a=0.08, h=0.02, H=0.05)  # m
+CLEARANCE = Clearance(5e-4)
+LIGHT = np.array([0.5, -0.2, 0.84])  # of length 1
+LIFTED = 0.075  # m
+BLOCKS_COLOURS = 24
+FINE = 0.01  # m: sides of triangles, so that their order from the back is right
+# To the right, up, and towards the viewer.
+AXES = np.array([[-0.6, 0.8, 0.0], [-0.28, -0.21, 0.9367497], [0.7493998, 0.5620498, 0.35]])
+
+
+def scene(parts: Sequence[tuple[Solid, float]]) -> Solid:
+    """Blocks, each lifted by some m, as one surface."""
+    places, triangles, before = [], [], 0
+    for solid, lift in parts:
+        places.append(solid.places + np.array([0.0, 0.0, lift]))
+        triangles.append(solid.triangles + before)
+        before += len(solid.places)
+    return replace(parts[0][0], places=np.concatenate(places), triangles=np.concatenate(triangles))
+
+
+def faces(parts: Sequence[tuple[Solid, float]]) -> Iterator[tuple[float, Floats, Floats]]:
+    """Depth, outline (m) and colour of small triangles that face the viewer."""
+    for (solid, lift), colour in zip(parts, (ORANGE, BLUE), strict=True):
+        mesh = solid.manifold.refine_to_length(FINE).to_mesh64()
+        places = np.asarray(mesh.vert_properties)[:, :3] + np.array([0.0, 0.0, lift])
+        for corners in places[np.asarray(mesh.tri_verts).astype(np.int64)]:
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            normal /= np.linalg.norm(normal)
+            if normal @ AXES[2] > 0.0:
+                light = 0.55 + 0.45 * max(float(normal @ LIGHT), 0.0)
+                seen = corners @ AXES.T
+                yield seen[:, 2].mean(), seen[:, :2], light * np.array(to_rgb(colour))
+
+
+def draw_blocks(path: Path) -> None:
+    """Draw the lower block, the upper one above it, and both together."""
+    lower, upper = solids(*joint_blocks(JOINT)[:2], CLEARANCE)
+    figure = Figure(figsize=(8.4, 2.6))
+    for number, lift in enumerate((LIFTED, 0.0)):
+        parts = ((lower, 0.0), (upper, lift))
+        axes = figure.add_axes((0.5 * number, 0.0, 0.5, 1.0))
+        drawn = sorted(faces(parts), key=lambda face: face[0])
+        paint = [face[2] for face in drawn]
+        outlines = [face[1] for face in drawn]
+        axes.add_collection(PolyCollection(outlines, facecolors=paint, edgecolors=paint, lw=0.4))
+        edges = view(scene(parts), AXES).visible
+        axes.add_collection(LineCollection(edges, colors=BLACK, lw=0.8, capstyle="round"))
+        axes.autoscale_view()
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+    figure.savefig(path, dpi=110)
+    with Image.open(path) as read:
+        few = read.convert("RGB").quantize(BLOCKS_COLOURS, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("path", type=Path)
-    picture(film(), parser.parse_args().path)
+    parser.add_argument("folder", type=Path)
+    folder = parser.parse_args().folder
+    draw_film(film(), folder / "first_failure.gif")
+    draw_blocks(folder / "blocks.png")

@@ -1,10 +1,16 @@
-"""Rigid-block equilibrium with a friction pyramid, as a linear programme that HiGHS solves.
+"""Rigid-block equilibrium (RBE) with a friction pyramid: as a linear programme, and in compas_cra.
 
-In place of each friction cone there is a pyramid of eight sides around it, as in compas_cra's
-rigid-block equilibrium (RBE): along its edges it allows 8 % more shear than the cone.
+In place of each friction cone there is a pyramid of eight sides around it: along its edges it
+allows 8 % more shear than the cone. The programme is solved by HiGHS. compas_cra is of the extra
+``peers``; there is no verdict of it where it is not installed.
 """
 
+import importlib.util
+import io
 import math
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import linprog
@@ -16,6 +22,7 @@ from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.structure.analysis.limit_tilt import SECTOR
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned
+from studies.structures.samples import HEAVY, Sample
 
 PYRAMID_SIDES = 8
 INFEASIBLE, UNBOUNDED = 2, 3  # of HiGHS, as SciPy has it
@@ -70,3 +77,47 @@ def _pyramids(friction: Floats) -> csr_array:
     row = np.arange(len(friction) * PYRAMID_SIDES)[:, None] + np.zeros(3, dtype=int)
     column = np.repeat(3 * np.arange(len(friction)), PYRAMID_SIDES)[:, None] + np.arange(3)
     return csr_array((blocks.reshape(-1), (row.ravel(), column.ravel())))
+
+
+INSTALLED = all(map(importlib.util.find_spec, ("compas", "compas_assembly", "compas_cra")))
+TENSION = 1e-3  # of the sum of compressions: more is needed only by what is unstable
+NEAR, LEAST_AREA = 1e-4, 1e-6  # m and m2, of interfaces that it finds, as in its examples
+STABLE, UNSTABLE = "stable", "unstable"
+
+
+def rbe_verdict(path: Path, sample: Sample) -> str | None:
+    """Whether rigid-block equilibrium of compas_cra needs no tension; None without compas_cra."""
+    if not INSTALLED:
+        return None
+    from compas_cra.equilibrium import rbe_solve
+
+    with redirect_stdout(io.StringIO()):  # it prints its progress
+        assembly = _assembly(path, sample)
+        try:
+            rbe_solve(assembly, mu=sample.friction, density=1.0)
+        except ValueError as error:
+            return f"no answer ({error})"
+    pull = push = 0.0
+    for edge in assembly.graph.edges():
+        for interface in assembly.graph.edge_attribute(edge, "interfaces"):
+            pull += sum(force["c_nn"] for force in interface.forces)
+            push += sum(force["c_np"] for force in interface.forces)
+    return STABLE if pull <= TENSION * push else UNSTABLE
+
+
+def _assembly(path: Path, sample: Sample) -> Any:
+    """The sample as compas_cra has it, with supports, densities and interfaces."""
+    import compas
+    from compas_cra.algorithms import assembly_interfaces_numpy
+    from compas_cra.datastructures import CRA_Assembly
+    from compas_cra.equilibrium import density_setup
+
+    assembly = compas.json_load(str(path)).copy(cls=CRA_Assembly)
+    if sample.fixed is not None:
+        assembly.set_boundary_conditions(list(sample.fixed))
+    if sample.heavy:
+        nodes = assembly.graph.nodes()
+        density_setup(assembly, {n: HEAVY if n in sample.heavy else 1.0 for n in nodes})
+    if not sample.own_interfaces:
+        assembly_interfaces_numpy(assembly, nmax=10, amin=LEAST_AREA, tmax=NEAR)
+    return assembly

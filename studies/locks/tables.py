@@ -1,5 +1,12 @@
-"""Errors of law, safe rule and the paper's rules against the static model, region by region."""
+"""Tables of the campaign from its points: a joint in a direction, with every model's load over T0.
 
+Errors of law, safe rule and the paper's rules against the static model, region by region. V-M
+interaction curves: do pure shear and pure torsion determine the loads in between? The curve
+(V / V0)^p + (M / M0)^p = 1 goes through both ends; p = 1 is the straight line. Gain of bonds that
+soften or yield over the first failure, and safety of (n - 1) / 2 with it.
+"""
+
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any
@@ -10,10 +17,34 @@ import pandas as pd
 from sidmacib.contact_points.options import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint.joint import Direction, Joint
-from sidmacib.mechanics.assembly import Floats
-from studies.locks.points import POINTS
-from workflow.results.tables import Table, read_table, write_table
+from sidmacib.mechanics.assembly import Failure, Floats
+from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
 from workflow.step import Arguments, Files, step
+
+POINTS = Table(  # loads over T0
+    "points",
+    (
+        *SAMPLINGS.columns[:-1],
+        *("pairs", "closed_form", "saturation", "law", "safe", "law_error", "error"),
+    ),
+    SAMPLINGS.key,
+)
+
+
+def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The table of samplings, joined with the batches of the law's ``answers``."""
+    law = pd.concat(answers, ignore_index=True)
+    keys = list(SAMPLINGS.key)
+    points = solved.merge(law, on=keys, how="left", validate="1:1")
+    return points[list(POINTS.columns)]
+
+
+def join_points(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
+    """Write the table."""
+    solved = read_table(SAMPLINGS, inputs["samplings"])
+    points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
+    write_table(POINTS, points, outputs["points"])
+
 
 ALL = "all"
 KNOWN = 0.5  # mesh error from which on the static model has no answer to compare with
@@ -168,12 +199,108 @@ def by_locks(joints: pd.DataFrame) -> Iterator[tuple[tuple[str, str], "pd.Series
         yield (body, f"{least} to {most}"), chosen
 
 
+EXPONENTS = (1.0, 1.25, 1.5, 2.0)
+BETWEEN = ("sampling", "dry_faces", "upper_body", "eccentricity_over_a")
+INTERACTION = Table(
+    "interaction", ("exponent", *BETWEEN, *SPREAD), ("exponent", *BETWEEN), digits=4
+)
+
+
+def curve(shear: float, torsion: float, ratio: float, exponent: float) -> float:
+    """Load along e / a on the curve through the loads at both ends, in the unit of these.
+
+    ``torsion``: M0 / a. Raises ValueError unless 0 < ``ratio`` < inf.
+    """
+    if not 0.0 < ratio < math.inf:
+        raise ValueError(f"ratio: {ratio:g} is not allowed; it must be more than 0 and finite")
+    part = np.array([1.0, ratio]) / math.hypot(1.0, ratio)
+    return float(
+        ((part[0] / shear) ** exponent + (part[1] / torsion) ** exponent) ** -(1 / exponent)
+    )
+
+
+def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
+    """Errors of the curves, by region and for all directions of a region together."""
+    points = points[points["plate"] & known(points) & points["failure"].eq("brittle")]
+    points = points.assign(dry_faces=dry_faces(points))
+    by_ratio = points.set_index([*JOINT, "eccentricity_over_a"])["first_failure"]
+
+    def at(ratio: float) -> Floats:
+        """First failures of each point's joint in another direction; nan: unknown."""
+        joints = points[JOINT].assign(ratio=ratio)
+        return by_ratio.reindex(pd.MultiIndex.from_frame(joints)).to_numpy()
+
+    between = points.assign(shear=at(0.0), torsion=at(math.inf)).dropna(subset=["shear", "torsion"])
+    ratio = between["eccentricity_over_a"]
+    between = between[ratio.gt(0.0) & ratio.lt(math.inf)]
+    directions = between[["shear", "torsion", "eccentricity_over_a"]].to_numpy().tolist()
+    rows: list[dict[str, Any]] = []
+    for exponent in EXPONENTS:
+        loads = [curve(shear, torsion, e, exponent) for shear, torsion, e in directions]
+        error = np.array(loads) / between["first_failure"] - 1.0
+        regions = by_region(between, error, BETWEEN, BETWEEN[:-1])
+        rows += [{"exponent": exponent, **row} for row in regions]
+    return table_of(INTERACTION, rows)
+
+
+ENERGIES = (
+    (1.0, 10.0),
+    (10.0, 100.0),
+    (100.0, 1000.0),
+)  # fracture energy over energy stored
+BONDS = Table(
+    "bonds",
+    (
+        *("bonds", "upper_body", "eccentricity_over_a", "points", "mean_peak_over_first_failure"),
+        *("largest_peak_over_first_failure", "mean_peak_over_pairs", "unsafe_share_of_half"),
+    ),
+    ("bonds", "upper_body", "eccentricity_over_a"),
+    digits=4,
+)
+
+
+def bonds_table(points: pd.DataFrame) -> pd.DataFrame:
+    """Peaks over first failures and over numbers of pairs, of joints under a plate, by bonds."""
+    bears = points["plate"] & points["peak"].gt(0.0) & points["pairs"].gt(0)
+    points = points[bears & points["stiffness_ratio"].isna()]
+    points = points.assign(
+        bonds=[_kind(*each) for each in points[["failure", "energy_ratio"]].values],
+        more=points["peak"] / points["first_failure"] - 1.0,
+        of_pairs=points["peak"] / points["pairs"],
+    )
+    rows = []
+    keys = ["bonds", "upper_body", "eccentricity_over_a"]
+    for values, group in points.groupby(keys, sort=True):
+        odd = group[group["locks"].mod(2).eq(1) & group["eccentricity_over_a"].eq(0.0)]
+        below = odd["of_pairs"] < 1.0 - 1e-3
+        rows.append(
+            {
+                **dict(zip(keys, values, strict=True)),
+                "points": len(group),
+                "mean_peak_over_first_failure": 1.0 + float(group["more"].mean()),
+                "largest_peak_over_first_failure": 1.0 + float(group["more"].max()),
+                "mean_peak_over_pairs": float(group["of_pairs"].mean()),
+                "unsafe_share_of_half": float(below.mean()) if len(odd) else np.nan,
+            }
+        )
+    return pd.DataFrame(rows, columns=list(BONDS.columns))
+
+
+def _kind(failure: str, ratio: float) -> str:
+    if failure != Failure.SOFTENING:
+        return failure
+    least, most = next((span for span in ENERGIES if ratio <= span[1]), ENERGIES[-1])
+    return f"softening, {least:g} to {most:g}"
+
+
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write both tables."""
+    """Write all tables but that of the points."""
     points = read_table(POINTS, inputs["points"])
     write_table(LAW, law_table(points), outputs["law"])
     write_table(RULE_ERRORS, rules_table(points), outputs["rules"])
+    write_table(INTERACTION, interaction_table(points), outputs["interaction"])
+    write_table(BONDS, bonds_table(points), outputs["bonds"])
 
 
 if __name__ == "__main__":
-    step(run)
+    step(run, points=join_points)
