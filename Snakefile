@@ -51,15 +51,11 @@ if STUDY.samples:
     STUDY_FILES += [
         *rules.collect.output,
         *rules.capacity.output,
-        *rules.fit.output,
-        *rules.variants.output,
-        *rules.validation.output,
+        *rules.comparisons.output,
         *rules.figures.output,
         *rules.summary.output,
         *rules.complete.output,
     ]
-    if STUDY.measured is not None:
-        STUDY_FILES += rules.measured.output
 
 
 if STUDY.structures:

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from conftest import outputs_of
 
-from analysis.tables.validation import measured_table
+from analysis.tables.comparisons import measured_table
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study
 from workflow.schema.study import MeasuredLoad

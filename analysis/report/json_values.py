@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of, option_name, rule_name
-from analysis.tables.validation import quantity_label
+from analysis.published import quantity_label
 from workflow.results.columns import TABLES, meaning
 
 

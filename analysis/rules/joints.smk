@@ -44,82 +44,28 @@ rule capacity:
         "../tables/capacity.py"
 
 
-rule fit:
-    input:
-        capacity=rules.capacity.output.capacity,
-    output:
-        fit=shown("tables/fit.csv"),
-        best_fit=shown("tables/best_fit.csv"),
-    log:
-        below("logs/fit.log"),
-    group:
-        "tables"
-    params:
-        study=lambda wildcards: STUDY.tables_json(),
-        code=code("analysis.tables.fit"),
-    message:
-        "Fit SiDMACIB to the detailed models"
-    script:
-        "../tables/fit.py"
-
-
-rule variants:
-    input:
-        capacity=rules.capacity.output.capacity,
-        weight_sums=rules.collect.output.weight_sums,
-    output:
-        variants=shown("tables/variants.csv"),
-    log:
-        below("logs/variants.log"),
-    group:
-        "tables"
-    params:
-        study=lambda wildcards: STUDY.pieces_json(),
-        code=code("analysis.tables.fit"),
-    message:
-        "Compare the variants with the reference"
-    script:
-        "../tables/fit.py"
-
-
-rule validation:
+rule comparisons:
     input:
         capacity=rules.capacity.output.capacity,
         weights=rules.collect.output.weights,
-        fit=rules.fit.output.fit,
+        weight_sums=rules.collect.output.weight_sums,
     output:
+        **{"measured": shown("tables/measured.csv")} if STUDY.measured is not None else {},
+        fit=shown("tables/fit.csv"),
+        best_fit=shown("tables/best_fit.csv"),
+        variants=shown("tables/variants.csv"),
         validation=shown("tables/validation.csv"),
     log:
-        below("logs/validation.log"),
+        below("logs/comparisons.log"),
     group:
         "tables"
     params:
-        study=lambda wildcards: STUDY.tables_json(),
-        code=code("analysis.tables.validation", files=PUBLISHED),
+        study=lambda wildcards: STUDY.comparisons_json(),
+        code=code("analysis.tables.comparisons", files=PUBLISHED),
     message:
-        "Compare with the published numbers"
+        "Fit SiDMACIB, and compare variants, published and measured numbers"
     script:
-        "../tables/validation.py"
-
-
-if STUDY.measured is not None:
-
-    rule measured:
-        input:
-            capacity=rules.capacity.output.capacity,
-        output:
-            measured=shown("tables/measured.csv"),
-        log:
-            below("logs/measured.log"),
-        group:
-            "tables"
-        params:
-            study=lambda wildcards: STUDY.measured_json(),
-            code=code("analysis.tables.validation"),
-        message:
-            "Compare measured loads with the models"
-        script:
-            "../tables/validation.py"
+        "../tables/comparisons.py"
 
 
 FIGURES = figures_of(STUDY, DETAILED, JOBS.joints.values())
@@ -132,10 +78,10 @@ rule figures:
     input:
         **STRESSES,
         capacity=rules.capacity.output.capacity,
-        validation=rules.validation.output.validation,
+        validation=rules.comparisons.output.validation,
         models=rules.collect.output.models,
         envelopes=rules.capacity.output.envelopes,
-        variants=rules.variants.output.variants,
+        variants=rules.comparisons.output.variants,
     output:
         figures=[shown(name) for name in drawn_files(FIGURES)],
     log:
@@ -154,9 +100,9 @@ rule figures:
 
 rule summary:
     input:
-        validation=rules.validation.output.validation,
-        fit=rules.fit.output.fit,
-        best_fit=rules.fit.output.best_fit,
+        validation=rules.comparisons.output.validation,
+        fit=rules.comparisons.output.fit,
+        best_fit=rules.comparisons.output.best_fit,
         capacity=rules.capacity.output.capacity,
         cases=rules.collect.output.cases,
     output:
@@ -198,12 +144,12 @@ rule complete:
 
 
 REPORT_INPUTS |= {
-    "validation": rules.validation.output.validation,
+    "validation": rules.comparisons.output.validation,
     "capacity": rules.capacity.output.capacity,
     "weights": rules.collect.output.weights,
     "cases": rules.collect.output.cases,
-    "fit": rules.fit.output.fit,
-    "best_fit": rules.fit.output.best_fit,
-    "variants": rules.variants.output.variants,
+    "fit": rules.comparisons.output.fit,
+    "best_fit": rules.comparisons.output.best_fit,
+    "variants": rules.comparisons.output.variants,
     "summary": rules.summary.output.summary,
 }

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.drawing.labels import label_of
+from analysis.published import comparisons, difference_text, quantity_label
 from analysis.summary.answers import (
     DESIGN,
     MESH_LIMIT,
@@ -17,7 +18,6 @@ from analysis.summary.answers import (
     ratios,
 )
 from analysis.tables.study_points import winner
-from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE

@@ -23,15 +23,10 @@ from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
 from workflow.results.tables import (
     BEST_FIT,
-    CAPACITY,
     FIT,
     VARIANTS,
-    WEIGHT_SUMS,
-    read_table,
-    write_table,
 )
 from workflow.schema import Study
-from workflow.step import Arguments, Files, step
 
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
@@ -128,14 +123,6 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
 
 
-def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the fits of all options and reductions, and the free fit."""
-    study = Study.model_validate_json(arguments["study"])
-    capacity = read_table(CAPACITY, inputs["capacity"])
-    write_table(FIT, fit_table(capacity), outputs["fit"])
-    write_table(BEST_FIT, best_table(study, capacity), outputs["best_fit"])
-
-
 FEWEST = 3  # directions that an option is judged by
 
 
@@ -189,14 +176,3 @@ def _errors(promised: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, A
         promised_loads = rows.set_index("case")["load_N"].reindex(loads.index).to_numpy(dtype=float)
         if np.isfinite(promised_loads).all():
             yield {"option": option, **vars(misfit(promised_loads, loads.to_numpy(dtype=float)))}
-
-
-def write_variants(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the table."""
-    study = Study.model_validate_json(arguments["study"])
-    capacity, sums = (read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHT_SUMS))
-    write_table(VARIANTS, variants_table(study, capacity, sums), outputs["variants"])
-
-
-if __name__ == "__main__":
-    step(run, variants=write_variants)

@@ -8,15 +8,15 @@ import pandas as pd
 
 from analysis.calibration.candidates import PEAK_AIM, WEIGHT_AIM, read_as_degrees
 from analysis.drawing.labels import label_of
-from analysis.published import read_published
-from analysis.summary.summary import leading_models
-from analysis.tables.validation import (
+from analysis.published import (
     PublishedLine,
     PublishedSamples,
     comparisons,
     difference_text,
     quantity_label,
+    read_published,
 )
+from analysis.summary.summary import leading_models
 from sidmacib.joint.joint import Direction
 from sidmacib.models import REFERENCE_MODEL
 from studies.markdown import (

@@ -227,9 +227,9 @@ class Study(Section):
         """The part of the study that the tables depend on, as JSON."""
         return self._selected()
 
-    def measured_json(self) -> str:
-        """The part of the study that the comparison with measured loads depends on, as JSON."""
-        return self._selected("measured")
+    def comparisons_json(self) -> str:
+        """The part of the study that comparisons of its capacities depend on, as JSON."""
+        return self._selected("variants", "measured")
 
     def pieces_json(self) -> str:
         """The part of the study that models without an engine depend on, as JSON."""

@@ -1,22 +1,24 @@
-"""Published and measured numbers beside computed ones, as tables and for readers."""
+"""Comparisons of capacities: SiDMACIB, variants, published and measured numbers."""
 
 import math
-import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import pandas as pd
 
 from analysis.published import Published, read_published
+from analysis.tables.fit import best_table, fit_table, variants_table
 from analysis.tables.study_points import pure_shear_weights, study_points, winner
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE
 from workflow.results.tables import (
+    BEST_FIT,
     CAPACITY,
     FIT,
     MEASURED,
     VALIDATION,
+    VARIANTS,
+    WEIGHT_SUMS,
     WEIGHTS,
     read_table,
     write_table,
@@ -139,87 +141,6 @@ def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[st
             }
 
 
-@dataclass(frozen=True)
-class PublishedLine:
-    """A published number and the rows of the validation table that belong to it, by sample."""
-
-    quantity: str
-    mesh: str
-    published: float
-    rows: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class PublishedSamples:
-    """Published numbers for ``locks`` locks, and the samples with as many: a description each."""
-
-    locks: int
-    samples: Mapping[str, str]
-    lines: tuple[PublishedLine, ...]
-
-
-def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[PublishedSamples]:
-    """The validation table by number of locks; ``leading``: the model that is shown, by sample.
-
-    SiDMACIB's numbers are those without friction along the locks; with it they are the same.
-    """
-    shown = (table["model"] == "sidmacib") | (table["model"] == table["sample"].map(leading))
-    table = table[shown & ~table["quantity"].str.contains("_friction_N")]
-    for locks, rows in table.groupby("locks"):
-        by_line: dict[tuple[str, str], dict[str, Any]] = {}
-        for row in rows.itertuples():
-            mesh = "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}"
-            by_line.setdefault((str(row.quantity), mesh), {})[str(row.sample)] = row
-        samples = {
-            str(row.sample): f"friction {row.friction:.4g}, {row.setting}; "
-            f"{leading.get(str(row.sample), 'no model')}"
-            for row in rows.drop_duplicates("sample").itertuples()
-        }
-        lines = tuple(
-            PublishedLine(quantity, mesh, next(iter(line.values())).published, line)
-            for (quantity, mesh), line in by_line.items()
-        )
-        yield PublishedSamples(int(str(locks)), samples, lines)
-
-
-QUANTITIES = (  # of the validation table: pattern and label
-    (r"sidmacib_pure_shear_option(\w+?)_(frictionless|friction)_N", r"SiDMACIB, Option \1, V (N)"),
-    (r"dem_pure_shear_N", r"peak V of the pieces (N)"),
-    (r"weight_lock(\d+)", r"weight of lock \1"),
-    (r"weight_lock(\d+)_swapped", r"weight of lock \1, first two swapped"),
-    (r"weight_sum", r"sum of weights"),
-    (r"weight_sum_rounded_down", r"sum of weights, rounded down"),
-    (r"best_option", r"option that fits best"),
-)
-
-
-def quantity_label(quantity: str) -> str:
-    """A quantity of the validation table in words; an unknown one keeps its name."""
-    for pattern, label in QUANTITIES:
-        if match := re.fullmatch(pattern, quantity):
-            return match.expand(label)
-    return quantity
-
-
-def difference_text(row: Any) -> str:
-    """The difference of a row's computed value from the published one, in words."""
-    if pd.isna(row.absolute_difference):
-        return "same" if row.computed == row.published else "other"
-    if pd.isna(row.relative_difference):
-        return f"{row.absolute_difference:+.3f}"
-    return f"{100 * row.relative_difference:+.2f} %"
-
-
-def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the table of published and computed numbers."""
-    study = Study.model_validate_json(arguments["study"])
-    capacity, weights, fit = (
-        read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHTS, FIT)
-    )
-    table = validation_table(study, capacity, weights, fit, read_published())
-    write_table(VALIDATION, table, outputs["validation"])
-
-
 def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     """One row for each measured load and model, on the study's finest mesh.
 
@@ -256,12 +177,21 @@ def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(MEASURED.columns))
 
 
-def write_measured(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the table."""
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write the fits and all comparisons that the study asks for."""
     study = Study.model_validate_json(arguments["study"])
-    capacity = read_table(CAPACITY, inputs["capacity"])
-    write_table(MEASURED, measured_table(study, capacity), outputs["measured"])
+    capacity, weights, sums = (
+        read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHTS, WEIGHT_SUMS)
+    )
+    write_table(FIT, fit_table(capacity), outputs["fit"])
+    fit = read_table(FIT, outputs["fit"])  # as all others read it
+    write_table(BEST_FIT, best_table(study, capacity), outputs["best_fit"])
+    write_table(VARIANTS, variants_table(study, capacity, sums), outputs["variants"])
+    table = validation_table(study, capacity, weights, fit, read_published())
+    write_table(VALIDATION, table, outputs["validation"])
+    if study.measured is not None:
+        write_table(MEASURED, measured_table(study, capacity), outputs["measured"])
 
 
 if __name__ == "__main__":
-    step(run, measured=write_measured)
+    step(run)
