@@ -116,7 +116,10 @@ def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> lis
     inputs = {kind.name: folder / f"{kind.name}.csv" for kind in KINDS}
     for kind in KINDS:
         write_table(kind, tables[kind.name], inputs[kind.name])
-    arguments = {"study": study.figures_json(), "detailed_models": detailed(study.model_names)}
+    arguments = {
+        "study": study.part("variants", "figures", "measured"),
+        "detailed_models": detailed(study.model_names),
+    }
     names = figures_of(study, arguments["detailed_models"])
     saved = [folder / f"{name}.png" for name in names if not name.startswith(("joint", "options"))]
     run(arguments, inputs, {"figures": saved})

@@ -121,11 +121,6 @@ def write_decks(config: Path, results: str | None) -> str | None:
     return None
 
 
-def list_cases(config: Path, results: str | None, form: str) -> None:
-    """Print the cases of a study and their state."""
-    print(text_of(case_rows(config, results), form))
-
-
 def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     """One row for each case, with its state, peak (N), and the reason if there is none.
 
@@ -184,7 +179,7 @@ def main() -> None:
         "study": lambda: run_study(config, results, profile_named(arguments.profile)),
         "report": lambda: write_report(config, results),
         "decks": lambda: write_decks(config, results),
-        "cases": lambda: list_cases(config, results, arguments.format),
+        "cases": lambda: print(text_of(case_rows(config, results), arguments.format)),
     }
     run_command(commands[arguments.what], arguments)
 

@@ -36,7 +36,7 @@ rule capacity:
     group:
         "tables"
     params:
-        study=lambda wildcards: STUDY.tables_json(),
+        study=lambda wildcards: STUDY.part(),
         code=code("analysis.tables.capacity", files=PUBLISHED),
     message:
         "Solve SiDMACIB and tabulate all capacities"
@@ -60,7 +60,7 @@ rule comparisons:
     group:
         "tables"
     params:
-        study=lambda wildcards: STUDY.comparisons_json(),
+        study=lambda wildcards: STUDY.part("variants", "measured"),
         code=code("analysis.tables.comparisons", files=PUBLISHED),
     message:
         "Fit SiDMACIB, and compare variants, published and measured numbers"
@@ -89,7 +89,7 @@ rule figures:
     group:
         "tables"
     params:
-        study=lambda wildcards: STUDY.figures_json(),
+        study=lambda wildcards: STUDY.part("variants", "figures", "measured"),
         detailed_models=DETAILED,
         code=code("analysis.figures.draw", JointSubject.modules, PUBLISHED),
     message:

@@ -22,7 +22,7 @@ rule report:
     group:
         "tables"
     params:
-        study=lambda wildcards: STUDY.pieces_json() if STUDY.samples else None,
+        study=lambda wildcards: STUDY.part("variants") if STUDY.samples else None,
         structures=lambda wildcards: STUDY.structures_json() if STUDY.structures else None,
         configuration=lambda wildcards: STUDY.model_dump_json(exclude={"results"}),
         cases=lambda wildcards: [*reversed(SHOWN_STRUCTURES.values())],

@@ -209,7 +209,11 @@ def _half(
     if not errors:
         return
     worst = worst_by_friction(errors, tables["validation"])
-    unsafe = [_unsafe(error, words) for words, error in worst.items() if not error.safe]
+    unsafe = [
+        f"{percent(error.error)}{words} ({error.sample}, {direction_words(error.ratio)})"
+        for words, error in worst.items()
+        if not error.safe
+    ]
     yield Question(
         "Is it safe to count (n - 1) / 2 of the n locks of a joint?",
         f"No: unsafe by {' and by '.join(unsafe)}" if unsafe else "Yes, for these joints",
@@ -234,10 +238,6 @@ def worst_by_friction(
     (first,), (other,) = worst_of(printed), worst_of(others)
     found = {" with the friction as printed": first}
     return found | ({" with another friction": other} if other.error > first.error else {})
-
-
-def _unsafe(error: RuleError, friction: str) -> str:
-    return f"{percent(error.error)}{friction} ({error.sample}, {direction_words(error.ratio)})"
 
 
 def _verdict(error: RuleError) -> str:

@@ -34,6 +34,7 @@ from workflow.results.tables import (
 from workflow.step import Arguments, Files, step
 
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
+GEOMETRY = "a, b, h and H (the paper's text gives a * b only), "
 ACROSS = 4  # samples in one block of the list of loads
 MOST_SAMPLES = 12  # whose loads are listed
 
@@ -71,16 +72,11 @@ def summary(
             f"Report:  {results}/report.html",
             f"Tables:  {results}/tables",
             f"Figures: {results}/figures (side_by_side.png first)",
-            _assumed(published=not tables["validation"].empty),
+            # The geometry only if it represents the paper's.
+            f"Assumed: {'' if tables['validation'].empty else GEOMETRY}contact-point positions.",
             "",
         ]
     )
-
-
-def _assumed(published: bool) -> str:
-    """The assumptions of the results; the geometry only if it represents the paper's."""
-    geometry = "a, b, h and H (the paper's text gives a * b only), " if published else ""
-    return f"Assumed: {geometry}contact-point positions."
 
 
 def _failed(cases: pd.DataFrame) -> Iterator[str]:

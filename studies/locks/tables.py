@@ -243,11 +243,7 @@ def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
     return table_of(INTERACTION, rows)
 
 
-ENERGIES = (
-    (1.0, 10.0),
-    (10.0, 100.0),
-    (100.0, 1000.0),
-)  # fracture energy over energy stored
+ENERGIES = ((1.0, 10.0), (10.0, 100.0), (100.0, 1000.0))  # fracture energy over energy stored
 BONDS = Table(
     "bonds",
     (

@@ -217,39 +217,21 @@ class Study(Section):
             failure=assembly.failure,
             upper_body=assembly.upper_body,
             hold_down=assembly.hold_down,
-            elastic=self._block(change.young) if assembly.pieces is Pieces.ELASTIC else None,
+            elastic=Elastic(change.young or self.materials.young, self.materials.poisson)
+            if assembly.pieces is Pieces.ELASTIC
+            else None,
         )
 
-    def _block(self, young: float | None) -> Elastic:
-        return Elastic(young or self.materials.young, self.materials.poisson)
+    def part(self, *sections: str) -> str:
+        """What the tables of all models depend on, and further ``sections``, as JSON.
 
-    def tables_json(self) -> str:
-        """The part of the study that the tables depend on, as JSON."""
-        return self._selected()
-
-    def comparisons_json(self) -> str:
-        """The part of the study that comparisons of its capacities depend on, as JSON."""
-        return self._selected("variants", "measured")
-
-    def pieces_json(self) -> str:
-        """The part of the study that models without an engine depend on, as JSON."""
-        return self._selected("variants")
-
-    def figures_json(self) -> str:
-        """The part of the study that the figures depend on, as JSON."""
-        return self._selected("variants", "figures", "measured")
+        A valid study, of the engines' names only.
+        """
+        chosen: dict[str, Any] = dict.fromkeys((*_TABLES, *sections), True)
+        return self.model_dump_json(include={**chosen, "dem": {"engines"}})
 
     def structures_json(self) -> str:
         """The structures and the models that analyse them, as JSON."""
         return self.model_dump_json(
             include={"structures": True, "models": True, "dem": {"engines"}}
         )
-
-    def calibration_json(self) -> str:
-        """The part of the study that the calibration depends on, as JSON."""
-        return self.model_dump_json(include={*_TABLES, "dem", "calibration"})
-
-    def _selected(self, *sections: str) -> str:
-        """`_TABLES`, the engines' names and some ``sections``: a valid study."""
-        chosen: dict[str, Any] = dict.fromkeys((*_TABLES, *sections), True)
-        return self.model_dump_json(include={**chosen, "dem": {"engines"}})
