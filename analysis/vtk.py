@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 
+from sidmacib.engines.results import force_to_stress
 from sidmacib.joint.load_path import load_path
 from sidmacib.joint.pieces import upper_block
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Kind, Piece
@@ -21,7 +22,6 @@ from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.structure.blocks import Block, Compound
 from workflow.case import JointCase, StructureCase
-from workflow.results.files import force_to_stress
 from workflow.results.record import read_records
 from workflow.results.structure_part import InterfaceRow, StructurePart
 from workflow.step import Arguments, FileLists, step

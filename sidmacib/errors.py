@@ -21,3 +21,7 @@ class SolverError(CapacityError):
 
 class NoEquilibriumError(CapacityError):
     """No equilibrium was found at a load."""
+
+
+class ResultError(ValueError):
+    """A result that is not accepted; the message is one line."""

@@ -26,10 +26,9 @@ from structures import WITH_STRUCTURES
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.execute import EngineError
-from sidmacib.engines.guide import guide_for
 from sidmacib.engines.numerics import Numerics
-from sidmacib.engines.run import run_engine
 from sidmacib.engines.scripts.records import RESULT
+from sidmacib.engines.search import engine_outcome
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_faces, shared_face
@@ -144,9 +143,7 @@ def run_guided(
     name: str, problem: Problem, numerics: Numerics, folder: Path, time_limit: float
 ) -> None:
     """Run an engine as a study does, from the loads of the static model."""
-    engine = ENGINES[name]
-    guide = guide_for(engine, problem, numerics)
-    run_engine(engine, problem, numerics, "what is tested", folder, time_limit, guide)
+    engine_outcome(ENGINES[name], problem, numerics, "what is tested", folder, time_limit)
 
 
 @pytest.fixture

@@ -60,7 +60,7 @@ def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
     def killed(*_: object) -> None:
         raise EngineKilledError("killed by signal 9; end of engine.log:")
 
-    monkeypatch.setattr(engine_step, "run_engine", killed)
+    monkeypatch.setattr(engine_step, "engine_outcome", killed)
     outputs = {"record": tmp_path / RECORD, "result": tmp_path / RESULT}
     case = case_on(mesh=0.02)
     arguments = {"case": case.to_json(), "time_limit": 60, "last_try": 0}

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from conftest import with_subject
 
+from sidmacib.engines.results import force_to_stress
+from sidmacib.errors import ResultError
 from sidmacib.joint.loading import lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic
@@ -16,8 +18,7 @@ from sidmacib.outcome import Outcome
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.results.files import force_to_stress
-from workflow.results.record import ResultError, record_of
+from workflow.results.record import record_of
 from workflow.threedec import INCREMENT, deck, decks, fingerprint, read_returned
 
 STUDY = read_study(

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case, run_guided
 from stack import overturning, tilted_stack
 
+from sidmacib.command.main import main
 from sidmacib.engines import ENGINES
 from sidmacib.engines.execute import OUTPUTS, EngineError
 from sidmacib.engines.numerics import Numerics
@@ -215,3 +217,11 @@ def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
     one, other = (run_case(case, tmp_path / name) for name in ("one", "other"))
     for name in OUTPUTS:
         assert (one / name).read_bytes() == (other / name).read_bytes()
+
+
+# --- the command ---------------------------------------------------------------------------------
+def test_the_command_finds_what_an_engine_finds(engine: str) -> None:
+    asked = ("capacity", "-n", "3", "-m", "static", "-m", engine, "--format", "json")
+    static, found = json.loads(CliRunner().invoke(main, asked).output)
+    assert found["V (N)"] == pytest.approx(static["V (N)"], rel=0.005)
+    assert found["note"].startswith("failure mode: bonds; ")

@@ -47,7 +47,7 @@ def test_all_files_name_the_paper_whose_study_is_repeated() -> None:
 
 @pytest.mark.study
 def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
-    """It has all modules of the library and none of the workflow, and gives the same number.
+    """It has all modules of the library and none of the workflow, and gives the same numbers.
 
     Its first command compiles nothing.
     """
@@ -70,7 +70,7 @@ def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
     run(uv, "venv", *python, environment)
     pins = ("--constraint", ROOT / "requirements.txt")
     run(uv, "pip", "install", "--python", environment / "bin/python", *pins, wheel)
-    question = ("capacity", "-n", "5", "-e", "0.3", "-m", "limit")
+    question = ("capacity", "-n", "5", "-e", "0.3", "-m", "limit", "-m", "yade")
     here = Path(sys.executable).with_name("multilock")
     assert run(environment / "bin/multilock", *question) == run(here, *question)
     kept = tmp_path / "kept"

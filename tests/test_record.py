@@ -9,6 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sidmacib.engines.results import (
+    HISTORY,
+    NODE_COLUMNS,
+    NODES,
+    RESULT,
+    check_bracket,
+    check_first_failure,
+    force_to_stress,
+    read_outcome,
+)
+from sidmacib.errors import ResultError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import assemble
@@ -18,22 +29,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.outcome import Outcome, State
 from workflow.case import Case, JointCase, JointSubject
-from workflow.results.files import (
-    HISTORY,
-    NODE_COLUMNS,
-    NODES,
-    RESULT,
-    force_to_stress,
-    read_outcome,
-)
-from workflow.results.record import (
-    Record,
-    ResultError,
-    check_bracket,
-    check_first_failure,
-    record_of,
-    record_without_result,
-)
+from workflow.results.record import Record, record_of, record_without_result
 from workflow.steps.solve import solved
 
 JOINT = Joint(3)

@@ -9,13 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import run_guided
 from stack import tilted_stack
 from structures import dry
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine
-from sidmacib.engines.guide import guide_of
 from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import (
     DATA_FILE,
@@ -23,7 +21,9 @@ from sidmacib.engines.render import (
     script,
     write_script,
 )
+from sidmacib.engines.run import run_engine
 from sidmacib.engines.scripts.assembly import read_assembly
+from sidmacib.engines.search import guide_for, guide_of
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
@@ -128,7 +128,8 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     def scripts(numerics: Numerics) -> list[str]:
         found = []
         for problem in problems_of(engine):
-            run_guided(engine.name, problem, numerics, tmp_path, 1.0)
+            guide = guide_for(engine, problem, numerics)
+            run_engine(engine, problem, numerics, "what is tested", tmp_path, 1.0, guide)
             found.append((tmp_path / engine.script).read_text())
         return found
 

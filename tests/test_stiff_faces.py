@@ -7,6 +7,7 @@ import pytest
 from conftest import DISTINCT, run_guided
 
 from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.results import read_outcome
 from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import FIXED_PLATE, Direction, Joint
@@ -15,7 +16,6 @@ from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.springs import compliance
 from sidmacib.mechanics.static.model import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem
-from workflow.results.files import read_outcome
 
 SOFT = 1e8  # Pa/m, of inner faces
 

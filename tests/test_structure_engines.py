@@ -15,6 +15,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.execute import EngineNoAnswerError
 from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
+from sidmacib.engines.results import read_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
@@ -26,7 +27,6 @@ from sidmacib.structure.loads import acceleration
 from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
-from workflow.results.files import read_outcome
 
 MORTAR = FaceMaterial(1e10, 1e10, 0.4, cohesion=2e4, tensile_strength=1e4)
 

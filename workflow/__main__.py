@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.command.output import FORMATS, text_of
+from sidmacib.errors import ResultError
 from sidmacib.models import REFERENCE_MODEL
 from workflow.case import Case
 from workflow.cases import case_count
@@ -28,7 +29,7 @@ from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import notes
 from workflow.jobs import case_jobs
 from workflow.results.files import BATCH_RECORDS, BROKE_DOWN, RECORD
-from workflow.results.record import Record, ResultError, read_records
+from workflow.results.record import Record, read_records
 from workflow.schema import Study
 
 SUMMARIES = {  # and the marks that nothing is missing, whose logs show that they were written

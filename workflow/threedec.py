@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from sidmacib.engines.render import ENVIRONMENT
+from sidmacib.engines.results import stress_to_force
+from sidmacib.errors import ResultError
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
@@ -28,13 +30,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
 from workflow.case import REFERENCE, JointCase
-from workflow.results.files import stress_to_force
-from workflow.results.record import (
-    ResultError,
-    record_of,
-    record_without_result,
-    write_record,
-)
+from workflow.results.record import record_of, record_without_result, write_record
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from sidmacib.engines import ENGINES
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
@@ -83,6 +84,25 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
     )
 
 
+def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer:
+    from sidmacib.answers.joint import meshes
+    from sidmacib.checks import checked_share
+    from sidmacib.engines.execute import EngineError
+    from sidmacib.engines.search import engine_outcome
+    from sidmacib.joint.loading import posed
+
+    engine, loading = ENGINES[name], Loading(direction, push=push)
+    problem = posed(joint, loading, meshes(joint)[1])
+    try:
+        found = engine_outcome(engine, problem)
+    except EngineError as error:
+        raise CapacityError(error.in_short) from None
+    checked_share(problem, found)
+    load, first = found.state.load, found.first_failure_load
+    first = None if first is None else first / load
+    return Answer(load, f"failure mode: {found.mode}; {engine.label} {engine.version()}", first)
+
+
 def _characteristic(
     joint: Joint, direction: Direction, push: Push, reliability: "Reliability"
 ) -> Answer:
@@ -108,6 +128,7 @@ MODELS: dict[str, Model] = {
     "static": _static,
     "limit": _limit,
     "sidmacib": _sidmacib,
+    **{name: partial(_engine, name=name) for name in ENGINES},
 }
 
 

@@ -27,11 +27,12 @@ from sidmacib.command.output import (
     text_of,
 )
 from sidmacib.drawing import VM_RATIOS
+from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Direction
 from sidmacib.joint.loading import Push
 from sidmacib.quantities import Number
 
-MODELS = ("safe", "law", "static", "limit", "sidmacib")
+MODELS = ("safe", "law", "static", "limit", "sidmacib", *ENGINES)
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
 FORCE, TORQUE = Number(unit="N"), Number(unit="N m")
@@ -122,8 +123,9 @@ def capacity(
 
     safe: the law less a margin for the error of the model. law: estimate of the first bond failure.
     static: peak load of a model with brittle bonds. limit: limit analysis with ductile bonds.
-    sidmacib: the published rule. Default: safe, law and static; for elastic blocks safe and law
-    only, as static takes minutes.
+    sidmacib: the published rule. yade, liggghts, calculix: distinct or finite elements, by the
+    program of that name, which must be installed. Default: safe, law and static; for elastic
+    blocks safe and law only, as static takes minutes.
 
     Columns: "first failure / load" is the load at the first bond failure, "mesh error / load" the
     estimated discretisation error, "peak spread" the range of the peaks found, each divided by the

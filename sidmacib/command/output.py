@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sidmacib.drawing import BLUE, GREEN, OCHRE, ORANGE, PURPLE, SKY, VERMILION, vm_axes, vm_curve
+from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve
+from sidmacib.models import MODELS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,10 +25,8 @@ DIGITS = 4
 LARGEST = 1e9  # number shown without an exponent
 FORMATS = ("table", "json", "csv")
 # Of models, as in the figures of studies.
-COLOURS = {
-    **{"safe": GREEN, "law": OCHRE, "static": BLUE},
-    **{"limit": SKY, "sidmacib": PURPLE, "characteristic": ORANGE, "design": VERMILION},
-}
+COLOURS = {name: model.colour for name, model in MODELS.items()}
+COLOURS |= {"characteristic": ORANGE, "design": VERMILION}
 BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 

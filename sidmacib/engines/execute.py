@@ -24,6 +24,13 @@ KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was 
 class EngineError(RuntimeError):
     """The engine did not end with a result; the message says why, with the tail of its log."""
 
+    @property
+    def in_short(self) -> str:
+        """The reason on one line: how the engine ended, and the last line of its log."""
+        first, *log = str(self).splitlines()
+        ending = first.partition("; end of ")[0]
+        return f"{ending}: {log[-1].strip(' |')}" if log else ending
+
 
 class EngineNoAnswerError(EngineError):
     """The engine said why there is no result, and would say so again."""

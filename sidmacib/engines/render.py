@@ -34,7 +34,8 @@ from sidmacib.mechanics.springs import natural_frequencies
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent
-TEMPLATES = Path(__file__).parents[2] / "templates"
+PACKED = Path(__file__).parents[1] / "templates"  # of an installed package
+TEMPLATES = PACKED if PACKED.is_dir() else Path(__file__).parents[2] / "templates"
 # Radii of contact spheres over the mean size of pieces: the small one is far more than what presses
 # contacts together, and by the slip over the large one a normal turns.
 POINT, FLAT = 0.01, 1000.0

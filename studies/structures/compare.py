@@ -5,7 +5,6 @@ python -m studies.structures.compare --results results-structures
 
 import argparse
 import math
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,9 +13,7 @@ import pandas as pd
 import yaml
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.guide import guide_for
-from sidmacib.engines.numerics import Numerics
-from sidmacib.engines.run import run_engine
+from sidmacib.engines.search import engine_outcome
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.rigid.solver import RigidSolver
@@ -34,7 +31,6 @@ from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.rbe import STABLE, UNSTABLE, pyramid_tilt, rbe_verdict
 from studies.structures.samples import ABOUT, AXES, SAMPLES, Sample, fetched, sample_structure
 from studies.structures.shapes import answers
-from workflow.results.files import read_outcome
 
 PUBLISHED = Path(__file__).parent / "published.yaml"
 TYPES = ("type-a", "type-b", "type-c", "type-d")
@@ -101,13 +97,9 @@ def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[s
 
 def engine_tilt(name: str, model: Assembly, tilt: Tilt) -> float:
     """The critical tilt (degrees) after an engine."""
-    engine, problem = ENGINES[name], Problem(model, tilting(model, tilt))
-    guide = guide_for(engine, problem, Numerics())
-    with tempfile.TemporaryDirectory() as folder:
-        settings = Numerics(), "tilted block", Path(folder), TIME_LIMIT, guide
-        run_engine(engine, problem, *settings)
-        peak = read_outcome(Path(folder), model).path[-1]
-    return tilt_of_load(peak.load, problem.loads.scale)
+    problem = Problem(model, tilting(model, tilt))
+    found = engine_outcome(ENGINES[name], problem, time_limit=TIME_LIMIT)
+    return tilt_of_load(found.path[-1].load, problem.loads.scale)
 
 
 def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -27,16 +27,17 @@ from test_decks import returned
 from test_record import case_of, write_engine_files
 
 from sidmacib.command.main import main as command
+from sidmacib.engines.results import read_outcome
 from sidmacib.engines.scripts.records import HISTORY, NODES, RESULT
+from sidmacib.errors import ResultError
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
 from workflow.case import JointCase
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.results.files import read_outcome
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import ResultError, record_of
+from workflow.results.record import record_of
 from workflow.threedec import read_returned
 
 PUBLISHED: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text())

@@ -7,30 +7,20 @@ Engines, models solved in this process and programs run elsewhere all give an `O
 import dataclasses
 import importlib
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-import numpy as np
-
+from sidmacib.checks import checked_share
+from sidmacib.errors import ResultError
 from sidmacib.fields import dataclass_from
-from sidmacib.mechanics.assembly import Loads
-from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from workflow.case import SUBJECTS, Case, CaseId
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
-MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
-LEAST_OF_FIRST_FAILURE = 0.8  # peak of an engine over the first failure of the static model
-SLACK = 1e-6  # of a tolerance: rounding
 UNREADABLE = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
-
-
-class ResultError(ValueError):
-    """A result that is not accepted; the message is one line."""
 
 
 Part = TypeVar("Part")
@@ -125,20 +115,7 @@ def record_of(
 ) -> Record[Any]:
     """The record of ``outcome``; raises `ResultError` where it cannot be the result of ``case``."""
     assembly, loads, state = outcome.cells or problem.assembly, problem.loads, outcome.state
-    part = part_of(case.subject.kind)
-    check_loads(outcome)
-    balance = None
-    if state.force is not None:
-        if state.force.shape != (len(assembly.nodes.area), 3):
-            raise ResultError(
-                f"{len(state.force)} nodes have stresses, but the case has "
-                f"{len(assembly.nodes.area)}"
-            )
-        if not np.isfinite(state.force).all():
-            raise ResultError("a stress is not a finite number")
-        share = unbalanced_share(assembly, loads, state.load, state.force)
-        check_balance(share, state.load, loads)
-        balance = part.balance(share)
+    part, share = part_of(case.subject.kind), checked_share(problem, outcome)
     return _record(
         case,
         part.of(case, assembly, loads, outcome),
@@ -148,7 +125,7 @@ def record_of(
         first_failure_load_N=rounded_or_none(outcome.first_failure_load),
         mode=outcome.mode,
         peak_spread=outcome.peak_spread,
-        unbalanced_share=balance,
+        unbalanced_share=None if share is None else part.balance(share),
         path=tuple(
             (rounded(each.load), rounded_or_none(each.displacement)) for each in outcome.path
         ),
@@ -174,70 +151,6 @@ def write_record(record: Record[Any], path: Path) -> None:
     draft.unlink(missing_ok=True)  # it may be a link
     draft.write_text(record.to_json() + "\n")
     draft.replace(path)
-
-
-def check_bracket(outcome: Outcome, tolerance: float, least: float) -> None:
-    """Raise `ResultError` where the failed load is further above the peak than ``tolerance``.
-
-    ``least``: load (N) that the tolerance refers to where the peak is smaller.
-    """
-    peak, failed = outcome.path[-1].load, outcome.failed_load
-    allowed = tolerance * max(peak, least)
-    if not failed - peak <= allowed * (1.0 + SLACK):
-        raise ResultError(
-            f"failed load {failed:g} N is not allowed; it must be at most {allowed:g} N, the "
-            f"tolerance, above the peak of {peak:g} N"
-        )
-
-
-def check_first_failure(outcome: Outcome, expected: float) -> None:
-    """Raise `ResultError` where the peak is far below the load at which a node should fail first.
-
-    ``expected``: that load in the static model, in N. First failures agree within 1 % where both
-    models see the same, so an engine that gives way at much less has seen something else.
-    """
-    peak = outcome.path[-1].load
-    if peak < LEAST_OF_FIRST_FAILURE * expected:
-        raise ResultError(
-            f"peak of {peak:g} N contradicts the static model, in which nothing fails up to "
-            f"{expected:g} N; it must be at least {LEAST_OF_FIRST_FAILURE:g} of that"
-        )
-
-
-def check_loads(outcome: Outcome) -> None:
-    """Raise `ResultError` where loads of ``outcome`` contradict each other."""
-    peak, failed, first = outcome.path[-1].load, outcome.failed_load, outcome.first_failure_load
-    if not (math.isfinite(peak) and peak > 0.0):
-        raise ResultError(f"peak load {peak:g} N is not allowed; it must be finite and above 0")
-    if not (math.isfinite(failed) and failed >= peak * (1.0 - 1e-12)):
-        raise ResultError(
-            f"failed load {failed:g} N is not allowed; it must be finite and at least {peak:g} N"
-        )
-    if first is not None and not 0.0 <= first <= failed:
-        raise ResultError(
-            f"first failure at {first:g} N is not allowed; it must be from 0 to {failed:g} N"
-        )
-    for state in outcome.path:
-        if not math.isfinite(state.load) or state.load > peak * (1.0 + 1e-12):
-            raise ResultError(
-                f"load {state.load:g} N is not allowed on the path to a peak of {peak:g} N"
-            )
-        if state.displacement is not None and not math.isfinite(state.displacement):
-            raise ResultError(
-                f"displacement {state.displacement:g} m at {state.load:g} N is not allowed; "
-                "it must be finite"
-            )
-
-
-def check_balance(share: float, load: float, loads: Loads) -> None:
-    """Raise `ResultError` where stresses do not balance the loads; ``share``: of ``load`` (N)."""
-    always = float(np.linalg.norm(loads.permanent[:, :3], axis=1).sum())
-    allowed = MOST_UNBALANCED * max(load, always)
-    if not (math.isfinite(share) and share * load <= allowed):
-        raise ResultError(
-            f"stresses do not balance the loads: {share:.3g} times the load is left on a piece; it "
-            f"must be {MOST_UNBALANCED:g} or less"
-        )
 
 
 def rounded(value: float) -> float:

@@ -6,18 +6,15 @@ from typing import Any
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
-from sidmacib.engines.guide import guide_for
-from sidmacib.engines.run import refusal, run_engine
+from sidmacib.engines.run import refusal
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import OUTPUTS
-from sidmacib.errors import CapacityError
-from workflow.case import Case, JointSubject
-from workflow.results.files import BROKE_DOWN, CASE, read_outcome
+from sidmacib.engines.search import engine_outcome
+from sidmacib.errors import CapacityError, ResultError
+from workflow.case import Case
+from workflow.results.files import BROKE_DOWN, CASE
 from workflow.results.record import (
     Record,
-    ResultError,
-    check_bracket,
-    check_first_failure,
     record_of,
     record_without_result,
     write_record,
@@ -43,9 +40,9 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
         if NEVER_FALLS in str(error):  # an answer, if not a number
             found = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
         else:
-            found = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
+            found = record_without_result(case, error=f"{case.model}: {_in_short(error)}")
             wrong = reason
-        _say(result, in_short(str(error)))
+        _say(result, _in_short(error))
     write_record(found, record)
     return wrong
 
@@ -57,12 +54,7 @@ def found_by_engine(case: Case[Any], folder: Path, time_limit: float) -> Record[
     problem = case.subject.problem()
     if reason := refusal(engine, problem.assembly):
         return record_without_result(case, refused=f"{engine.name}: {reason}")
-    guide = guide_for(engine, problem, numerics)
-    run_engine(engine, problem, numerics, f"{case.name}.", folder, time_limit, guide)
-    outcome = read_outcome(folder, problem.assembly)
-    check_bracket(outcome, numerics.tolerance, numerics.first_increment * problem.loads.scale)
-    if guide and isinstance(case.subject, JointSubject):  # blocks may slide or rock at any load
-        check_first_failure(outcome, guide.first_event_N)
+    outcome = engine_outcome(engine, problem, numerics, f"{case.name}.", folder, time_limit)
     return record_of(case, problem, outcome, {engine.name: engine.version()})
 
 
@@ -79,11 +71,8 @@ def leave_no_result(error: Exception, reason: str, folder: Path, *, last_try: bo
         (folder / BROKE_DOWN).touch()
 
 
-def in_short(reason: str) -> str:
-    """A reason on one line: how the engine ended, and the last line of its log."""
-    first, *log = reason.splitlines()
-    ending = first.partition("; end of ")[0]
-    return f"{ending}: {log[-1].strip(' |')}" if log else ending
+def _in_short(error: Exception) -> str:
+    return error.in_short if isinstance(error, EngineError) else str(error)
 
 
 def _say(result: Path, error: str) -> None:

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, ResultError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import limit, static
 from workflow.case import REFERENCE, Case, JointSubject, case_name
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import ResultError
 from workflow.results.tables import SAMPLINGS, write_table
 from workflow.sampling import SampledJoint, joints_of
 from workflow.step import Arguments, FileLists, Files, step

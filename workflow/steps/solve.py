@@ -13,9 +13,10 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import HISTORY, NODES
-from sidmacib.errors import CapacityError, UnboundedError
+from sidmacib.errors import CapacityError, ResultError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.model import Ability
@@ -23,17 +24,9 @@ from sidmacib.models import MODELS
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from workflow.case import Case, JointCase
-from workflow.results.files import (
-    BATCH_HISTORY,
-    BATCH_NODES,
-    CASE,
-    NODE_COLUMNS,
-    RECORD,
-    force_to_stress,
-)
+from workflow.results.files import BATCH_HISTORY, BATCH_NODES, CASE, RECORD
 from workflow.results.record import (
     Record,
-    ResultError,
     read_records,
     record_of,
     record_without_result,

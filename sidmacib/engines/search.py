@@ -1,18 +1,50 @@
-"""The start of an engine's search: failure loads of the static model, roughly.
-
-Apart from `sidmacib.engines.run`, so that whoever plans or runs an engine loads no compiled model.
-"""
+"""Search the peak of an assembly with an engine, beginning at the loads of the static model."""
 
 import importlib
+import tempfile
+from pathlib import Path
 
 from sidmacib.engines.engine import Engine
 from sidmacib.engines.numerics import Numerics
-from sidmacib.engines.run import refusal
+from sidmacib.engines.results import check_bracket, check_first_failure, read_outcome
+from sidmacib.engines.run import refusal, run_engine
 from sidmacib.engines.scripts.assembly import Guide
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Assembly, Failure, Loads
+from sidmacib.mechanics.assembly import Assembly, Cuboid, Failure, Loads
 from sidmacib.mechanics.static.model import static_peak
+from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
+
+HOUR = 3600.0  # s
+USUAL = Numerics()
+
+
+def engine_outcome(
+    engine: Engine,
+    problem: Problem,
+    numerics: Numerics = USUAL,
+    title: str = "Assembly.",
+    folder: Path | None = None,
+    time_limit: float = HOUR,
+) -> Outcome:
+    """The path of ``problem`` to its peak in ``engine``, after at most ``time_limit`` s.
+
+    ``folder``: keeps the script with all that it needs, the engine's log and its results; None
+    keeps nothing. Raises `sidmacib.engines.execute.EngineError` if the engine is not installed,
+    cannot compute such an assembly or finds no peak, and `sidmacib.errors.ResultError` if what it
+    found cannot be right.
+    """
+    if folder is None:
+        with tempfile.TemporaryDirectory() as name:
+            return engine_outcome(engine, problem, numerics, title, Path(name), time_limit)
+    guide = guide_for(engine, problem, numerics)
+    run_engine(engine, problem, numerics, title, folder, time_limit, guide)
+    outcome = read_outcome(folder, problem.assembly)
+    check_bracket(outcome, numerics.tolerance, numerics.first_increment * problem.loads.scale)
+    joint = all(isinstance(piece, Cuboid) for piece in problem.assembly.pieces)
+    if guide and joint:  # blocks of a structure may slide or rock at any load
+        check_first_failure(outcome, guide.first_event_N)
+    return outcome
 
 
 def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:
