@@ -17,11 +17,7 @@ from analysis.drawing.labels import SERIES, label_of
 from analysis.report.joints import answer_content, joints_content, joints_verdict
 from analysis.report.json_values import headings, json_table, words
 from analysis.report.provenance import as_yaml, provenance
-from analysis.report.structures import (
-    structures_content,
-    structures_verdict,
-    with_room,
-)
+from analysis.report.structures import structures_content, structures_verdict, with_room
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
 from workflow.case import StructureCase

@@ -21,11 +21,7 @@ from sidmacib.contact_points.programme import Sidmacib
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
-from workflow.results.tables import (
-    BEST_FIT,
-    FIT,
-    VARIANTS,
-)
+from workflow.results.tables import BEST_FIT, FIT, VARIANTS
 from workflow.schema import Study
 
 

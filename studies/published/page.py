@@ -19,16 +19,7 @@ from analysis.published import (
 from analysis.summary.summary import leading_models
 from sidmacib.joint.joint import Direction
 from sidmacib.models import REFERENCE_MODEL
-from studies.markdown import (
-    direction,
-    markdown,
-    markdown_of,
-    percent,
-    signed,
-    size,
-    span,
-    table_in,
-)
+from studies.markdown import direction, markdown, markdown_of, percent, signed, size, span, table_in
 from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
 
 SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a

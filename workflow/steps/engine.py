@@ -13,12 +13,7 @@ from sidmacib.engines.search import engine_outcome
 from sidmacib.errors import CapacityError, ResultError
 from workflow.case import Case
 from workflow.results.files import BROKE_DOWN, CASE
-from workflow.results.record import (
-    Record,
-    record_of,
-    record_without_result,
-    write_record,
-)
+from workflow.results.record import Record, record_of, record_without_result, write_record
 from workflow.step import Arguments, Files, KilledError, step
 
 
