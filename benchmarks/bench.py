@@ -36,7 +36,7 @@ from sidmacib.problem import Problem
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
 from workflow.closure import ROOT
-from workflow.results.files import read_times
+from workflow.results.record import read_times
 from workflow.sampling import Sampling, sampled_joints
 from workflow.steps.sampling import solved_rows
 

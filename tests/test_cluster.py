@@ -20,7 +20,7 @@ from workflow.jobs import (
     nodes_of,
     solved_resources,
 )
-from workflow.results.files import RECORD
+from workflow.results.record import RECORD
 from workflow.step import KilledError
 from workflow.steps import engine as engine_step
 

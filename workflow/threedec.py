@@ -30,7 +30,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
 from workflow.case import REFERENCE, JointCase
-from workflow.results.record import record_of, record_without_result, write_record
+from workflow.results.record import record_of, record_without_result
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step
 
@@ -225,7 +225,7 @@ def write_returned(arguments: Arguments, inputs: Files, outputs: Files) -> str |
         record = record_of(case, problem, found, {})
     except (OSError, ResultError) as error:
         record = record_without_result(case, error=f"{case.model}: {error}")
-    write_record(record, outputs["record"])
+    outputs["record"].write_text(record.to_json() + "\n")
     return None if record.error is None else f"{case.name}: {record.error}"
 
 

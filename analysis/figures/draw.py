@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from analysis.figures import curves, joint, models, style
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.material import FigureData, Stresses
-from workflow.results.files import BATCH_NODES
-from workflow.results.record import read_records
+from workflow.results.record import BATCH_NODES, read_records
 from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step

@@ -22,7 +22,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
 from workflow.case import StructureCase
 from workflow.results import tables as forms
-from workflow.results.files import read_times
+from workflow.results.record import read_times
 from workflow.results.tables import read_table
 from workflow.schema import Study
 from workflow.step import Arguments, Files, step

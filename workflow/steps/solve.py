@@ -24,13 +24,15 @@ from sidmacib.models import MODELS
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from workflow.case import Case, JointCase
-from workflow.results.files import BATCH_HISTORY, BATCH_NODES, CASE, RECORD
 from workflow.results.record import (
+    BATCH_HISTORY,
+    BATCH_NODES,
+    CASE,
+    RECORD,
     Record,
     read_records,
     record_of,
     record_without_result,
-    write_record,
 )
 from workflow.step import Arguments, Files, step
 
@@ -155,7 +157,7 @@ def write_case_files(arguments: Arguments, inputs: Files, outputs: Files) -> Non
         rows.drop(columns="case").to_csv(folder / target, index=False, float_format="%.10g")
     loads = {key: getattr(record, name) for key, name in LOADS.items()}
     result.write_text(json.dumps(loads, indent=1) + "\n")
-    write_record(record, folder / RECORD)
+    (folder / RECORD).write_text(record.to_json() + "\n")
 
 
 if __name__ == "__main__":
