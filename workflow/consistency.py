@@ -77,12 +77,8 @@ def _measured(study: Study) -> Iterator[str]:
             )
 
 
-def requirements(study: Study, assembly: AssemblySection, sample: str) -> tuple[Requirement, ...]:
+def requirements(study: Study, assembly: AssemblySection, sample: str) -> Iterator[Requirement]:
     """Requirements of ``study`` on a model that runs ``sample`` with ``assembly``."""
-    return tuple(_requirements(study, assembly, sample))
-
-
-def _requirements(study: Study, assembly: AssemblySection, sample: str) -> Iterator[Requirement]:
     ability, allowed = FAILURES[assembly.failure]
     yield Requirement(ability, "assembly.failure", str(assembly.failure), allowed)
     if assembly.pieces is Pieces.ELASTIC:

@@ -149,13 +149,10 @@ def labels() -> dict[str, dict[str, Any]]:
 
 def times_of(results: Path) -> list[list[Any]]:
     """Seconds of each kind of job: on the clock, of processors; how many there were."""
-    totals: dict[str, list[float]] = {}
-    for kind, wall, cpu in read_times(results):
-        total = totals.setdefault(kind, [0.0, 0.0, 0.0])
-        for position, value in enumerate((1.0, wall, cpu)):
-            total[position] += value
+    times = pd.DataFrame(read_times(results), columns=["kind", "wall", "cpu"])
     return [
-        [kind, int(n), round(wall, 1), round(cpu, 1)] for kind, (n, wall, cpu) in totals.items()
+        [str(kind), len(rows), *(round(float(rows[each].sum()), 1) for each in ("wall", "cpu"))]
+        for kind, rows in times.groupby("kind", sort=False)
     ]
 
 

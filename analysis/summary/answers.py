@@ -64,17 +64,17 @@ def rule_errors(
     ``tables``: fit, capacity and cases. ``mesh``: the one that is compared at (m).
     """
     capacity = tables["capacity"]
-    ratios = tables["cases"].drop_duplicates("case").set_index("case")["eccentricity_over_a"]
+    ratio = ratios(tables["cases"])
     fit = tables["fit"]
     at_mesh = fit[np.isclose(fit["mesh_m"], mesh)]
     found = []
     for reduction in fit["reduction"].unique():
         for row in safest(at_mesh, leading, reduction):
             error, case, mesh_error = least_safe(capacity, row)
-            place = row["sample"], float(ratios[case]), mesh_error
+            place = row["sample"], ratio[case], mesh_error
             found.append(RuleError(reduction, error, *place, row["option"], bool(row["friction"])))
     for model in OTHERS:
-        found += _of_model(model, capacity[np.isclose(capacity["mesh_m"], mesh)], leading, ratios)
+        found += _of_model(model, capacity[np.isclose(capacity["mesh_m"], mesh)], leading, ratio)
     return found
 
 
@@ -112,7 +112,7 @@ def least_safe(capacity: pd.DataFrame, row: pd.Series) -> tuple[float, str, floa
 
 
 def _of_model(
-    model: str, capacity: pd.DataFrame, leading: Mapping[str, str], ratios: pd.Series
+    model: str, capacity: pd.DataFrame, leading: Mapping[str, str], ratio: Mapping[str, float]
 ) -> Iterator[RuleError]:
     """The error of a model for each sample where it is not the leading one."""
     here = capacity[capacity["variant"].eq(REFERENCE)]
@@ -125,7 +125,7 @@ def _of_model(
         if first == model or not set(promised["case"]) & set(carried["case"]):
             continue
         error, case, mesh_error = _largest(promised, carried)
-        yield RuleError(model, error, sample, float(ratios[case]), mesh_error)
+        yield RuleError(model, error, sample, ratio[case], mesh_error)
 
 
 def _largest(promised: pd.DataFrame, carried: pd.DataFrame) -> tuple[float, str, float]:
