@@ -44,6 +44,7 @@ WALLS = [
     "static model to the first failure, bonded (CPU-s)",
     "largest memory (MB)",
 ]
+BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
 
 
 def growth(results: Path) -> str:
@@ -78,7 +79,6 @@ def walls(results: Path) -> str:
     return markdown(WALLS, rows)
 
 
-BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
 BLOCKS = {
     **studies.published.page.BLOCKS,
     **studies.elastic.page.BLOCKS,

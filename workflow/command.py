@@ -25,6 +25,7 @@ CACHES = {  # of Snakemake, matplotlib and numba: in the environment, and where 
 }
 NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 SNAKEMAKE = ".snakemake"  # in the working directory
+STOPPED = "Stopped. The next run continues from here."
 
 
 def lock(results: Path) -> TextIO:
@@ -85,7 +86,6 @@ def writable(folder: Path) -> bool:
 
 CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
-STOPPED = "Stopped. The next run continues from here."
 
 
 def options_of(

@@ -26,6 +26,17 @@ from workflow.threedec import deck_folder, decks
 
 # A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
 BATCH, BATCH_TIME = 512, 120.0  # cases, s
+MARGIN = 4.0  # of time: nodes of a cluster may be slow, and shared
+START = 60.0  # s: to begin at all
+LEAST_MB = 600  # a process with this package and its libraries
+ENGINE_NODE = 0.012  # s, for each node of an engine's case, of 40 ramp periods
+ENGINE_NODE_MB = 0.1
+SOLVED_NODE = 3e-4  # s, for each node of a case of rigid pieces that is solved in this process
+ELASTIC = 50.0  # times that, of elastic pieces
+FEW_NODES = 200
+SAMPLED_JOINT = 4.0  # s, of a joint of a sampling
+OF_STRUCTURE, OF_STRUCTURE_MB = 300.0, 3 * LEAST_MB  # s and MB, of a case of a structure
+SHORT = 600.0  # s: jobs that take less may share one of the cluster's
 
 
 @dataclass(frozen=True)
@@ -148,19 +159,6 @@ def _batch_name(digest: str, bits: int) -> str:
     digits = -(-bits // 4)
     number = int(digest[:digits], 16) >> (4 * digits - bits)
     return f"batch-{number:0{digits}x}"
-
-
-MARGIN = 4.0  # of time: nodes of a cluster may be slow, and shared
-START = 60.0  # s: to begin at all
-LEAST_MB = 600  # a process with this package and its libraries
-ENGINE_NODE = 0.012  # s, for each node of an engine's case, of 40 ramp periods
-ENGINE_NODE_MB = 0.1
-SOLVED_NODE = 3e-4  # s, for each node of a case of rigid pieces that is solved in this process
-ELASTIC = 50.0  # times that, of elastic pieces
-FEW_NODES = 200
-SAMPLED_JOINT = 4.0  # s, of a joint of a sampling
-OF_STRUCTURE, OF_STRUCTURE_MB = 300.0, 3 * LEAST_MB  # s and MB, of a case of a structure
-SHORT = 600.0  # s: jobs that take less may share one of the cluster's
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,21 @@ The YAML file that `multilock assembly`, `multilock design` and the `structures`
 for examples see [Arches, walls, any blocks](howto/structure.md). Lengths are in m, forces in N,
 stresses in Pa, stiffnesses in Pa/m.
 """
+# Names, what may stand in brackets behind them, and words up to the end of the sentence or clause.
+SAID = re.compile(r"((?:``\w+``(?:, | and )?)+)(?: \([^)]*\))?: (.+?)[.;](?=\s|$)")
+OF_JOINT = {Joint: "", Elastic: "elastic"}  # parts whose fields `PARAMETERS` describes
+CHANGES = {
+    # Code and tables that scroll can be reached by the keyboard.
+    "<pre>": '<pre tabindex="0">',
+    '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
+    # Captions of the navigation are headings of a level.
+    'class="caption" role="heading"': 'class="caption" role="heading" aria-level="2"',
+    # Both sides of a page have names.
+    '<aside class="sidebar-drawer"': '<aside aria-label="Pages" class="sidebar-drawer"',
+    '<aside class="toc-drawer': '<aside aria-label="On this page" class="toc-drawer',
+    # A column without a heading has no empty one.
+    '<th class="head"><p></p></th>': '<td class="head"></td>',
+}
 
 
 def write_pages(folder: Path) -> None:
@@ -210,11 +225,6 @@ def _for_editors(node: Any) -> Any:
     return {**found, "description": "; ".join(texts.values())} if texts else found
 
 
-# Names, what may stand in brackets behind them, and words up to the end of the sentence or clause.
-SAID = re.compile(r"((?:``\w+``(?:, | and )?)+)(?: \([^)]*\))?: (.+?)[.;](?=\s|$)")
-OF_JOINT = {Joint: "", Elastic: "elastic"}  # parts whose fields `PARAMETERS` describes
-
-
 def described(thing: Any) -> Iterator[tuple[str, str, str]]:
     """Name, type and meaning of each parameter; no type where its annotation reads well."""
     owner = thing.__init__ if inspect.isclass(thing) else thing
@@ -276,20 +286,6 @@ def add(app: Sphinx, what: str, name: str, thing: Any, options: object, lines: l
         if kind:
             lines.append(f":type {parameter}: {kind}")
     lines.append("")
-
-
-CHANGES = {
-    # Code and tables that scroll can be reached by the keyboard.
-    "<pre>": '<pre tabindex="0">',
-    '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
-    # Captions of the navigation are headings of a level.
-    'class="caption" role="heading"': 'class="caption" role="heading" aria-level="2"',
-    # Both sides of a page have names.
-    '<aside class="sidebar-drawer"': '<aside aria-label="Pages" class="sidebar-drawer"',
-    '<aside class="toc-drawer': '<aside aria-label="On this page" class="toc-drawer',
-    # A column without a heading has no empty one.
-    '<th class="head"><p></p></th>': '<td class="head"></td>',
-}
 
 
 def accessible(page: str) -> str:

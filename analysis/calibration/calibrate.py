@@ -42,6 +42,12 @@ from workflow.results.tables import CASES, WEIGHTS, read_table
 from workflow.schema import Study
 
 Snakemake = Callable[[Path, str, Sequence[str]], bool]
+MISFIT = (
+    "Misfit: root mean square of the differences of the static model in pure shear from the "
+    "published peaks of both samples at both meshes, over "
+    f"{100 * PEAK_SCALE:g} %, and from their weights, the first two swapped, over {WEIGHT_SCALE:g}."
+)
+AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a (m)"}
 
 
 def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | None:
@@ -113,14 +119,6 @@ def write(rows: pd.DataFrame, path: Path) -> None:
     """Write a table of the calibration."""
     path.parent.mkdir(parents=True, exist_ok=True)
     rows.to_csv(path, index=False, float_format="%.10g")
-
-
-MISFIT = (
-    "Misfit: root mean square of the differences of the static model in pure shear from the "
-    "published peaks of both samples at both meshes, over "
-    f"{100 * PEAK_SCALE:g} %, and from their weights, the first two swapped, over {WEIGHT_SCALE:g}."
-)
-AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a (m)"}
 
 
 def calibration(

@@ -27,6 +27,16 @@ from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law, require_covered
 
 SYMBOLS = {"law": "x", "safe": "star"}
+MOST_VALUES = 41  # of a slider, that are tried
+# What a slider changes; the tensile strength goes with the cohesion.
+FIELDS = tuple(
+    replace(each, places=(*each.places, "inner.tensile_strength"))
+    if each.name == "cohesion"
+    else each
+    for each in OF_JOINTS
+    if each.name in SLIDERS
+)
+PRESSURE = Field("pressure", ("hold_down.amount",), "Pa")
 
 
 @dataclass(frozen=True)
@@ -188,9 +198,6 @@ def pictures(state: Settings, results: Answers) -> dict[str, Any]:
     }
 
 
-MOST_VALUES = 41  # of a slider, that are tried
-
-
 def covered(state: Settings) -> dict[str, tuple[float, float] | None]:
     """The least and the largest value of each slider at which law and safe rule take the joint.
 
@@ -215,17 +222,6 @@ def _is_covered(state: Settings, name: str, value: float) -> bool:
     except ValueError:
         return False
     return True
-
-
-# What a slider changes; the tensile strength goes with the cohesion.
-FIELDS = tuple(
-    replace(each, places=(*each.places, "inner.tensile_strength"))
-    if each.name == "cohesion"
-    else each
-    for each in OF_JOINTS
-    if each.name in SLIDERS
-)
-PRESSURE = Field("pressure", ("hold_down.amount",), "Pa")
 
 
 def effects(state: Settings) -> dict[str, str]:

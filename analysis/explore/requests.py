@@ -34,6 +34,7 @@ HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
+MOST_PAGES = 64  # that are remembered
 
 
 def require_own(request: Request, port: int) -> None:
@@ -85,9 +86,6 @@ def _require_small(request: Request) -> None:
 def in_one_line(error: HTTPException) -> str:
     """The fault of a request."""
     return f"{error.code} {error.name}: {error.description}\n"
-
-
-MOST_PAGES = 64  # that are remembered
 
 
 class SupersededError(Exception):

@@ -21,6 +21,7 @@ from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Rectangle as FaceRectangle
 
 X, Y, Z = range(3)
+TEXT = 8.0  # points, of all that is written in a map
 
 
 def joint(material: FigureData) -> Figure:
@@ -126,9 +127,6 @@ def _size(axes: Axes, place: tuple[float, float, float], words: str) -> None:
     look = {"arrowstyle": "|-|,widthA=0.2,widthB=0.2", "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (x, low), (x, high), arrowprops=look)
     axes.text(x, (low + high) / 2, f"  {words}", va="center", fontsize=8)
-
-
-TEXT = 8.0  # points, of all that is written in a map
 
 
 def stress_map(material: FigureData) -> Figure:

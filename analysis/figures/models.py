@@ -26,6 +26,11 @@ from workflow.cases import cases_of
 from workflow.schema import Study
 
 MOST_BEHIND = 40  # points of a path behind its peak
+BODIES = {  # those that are drawn: words and line
+    UpperBody.COLUMNS: ("columns", "o-"),
+    UpperBody.MONOLITHIC: ("one piece", "s--"),
+}
+RIGID = 30.0  # a rigid block is drawn this many times as stiff as the stiffest that bends
 
 
 def models(material: FigureData) -> Figure:
@@ -158,13 +163,6 @@ def _friction(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
     axes.set_ylabel("friction (% of V)")
     axes.set_title("friction share at the peak", loc="left", fontsize=10)
     axes.legend(fontsize=8)
-
-
-BODIES = {  # those that are drawn: words and line
-    UpperBody.COLUMNS: ("columns", "o-"),
-    UpperBody.MONOLITHIC: ("one piece", "s--"),
-}
-RIGID = 30.0  # a rigid block is drawn this many times as stiff as the stiffest that bends
 
 
 def shown_rows(material: FigureData) -> pd.DataFrame:

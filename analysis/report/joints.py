@@ -37,6 +37,10 @@ from workflow.schema import Study
 
 NO_RULE = Question("What do the joints carry?", "See the curves and tables below.")
 HYPHEN = re.compile(r"(?<![\w.-])-(?=\d)")  # before a number
+PEAK = "dem_pure_shear_N"
+NEAR = 0.005  # of a published number
+LEAST_SHOWN = 5e-5  # share that two digits of a percentage show
+NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
 
 
 def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
@@ -122,12 +126,6 @@ def _caption(leading: Mapping[str, str], mesh: float) -> str:
         f"up to +{100 * PEAK_ACCURACY:g} % is treated as zero. SiDMACIB uses the contact points "
         "that are safest for each joint. Mesh error: of the detailed model."
     )
-
-
-PEAK = "dem_pure_shear_N"
-NEAR = 0.005  # of a published number
-LEAST_SHOWN = 5e-5  # share that two digits of a percentage show
-NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
 
 
 def law_of(joint: Joint) -> dict[str, list[Any]]:

@@ -11,6 +11,19 @@ from analysis.drawing.labels import label_of, option_name, rule_name
 from analysis.published import quantity_label
 from workflow.results.columns import TABLES, meaning
 
+UNITS = {
+    **{"J_m2": "J/m²", "N": "N", "Nm": "N m", "m": "m", "m2": "m²", "m3": "m³", "Pa": "Pa"},
+    **{"degrees": "°", "s": "s"},
+}
+# Of columns that hold a share, which is shown in percent.
+SHARE = re.compile(r"_error$|^misfit$|difference$|difference_to_static$|_share$|peak_spread$")
+SYMBOLS = {"shear_N": "V (N)", "torque_Nm": "M (N m)", "eccentricity_over_a": "e / a"}
+CODE = re.compile(r"`([^`]*)`")
+NAMED = {
+    **dict.fromkeys(("model", "weights_from"), lambda name: label_of(name).name),
+    **{"option": option_name, "reduction": rule_name, "quantity": quantity_label},
+}
+
 
 def json_table(table: pd.DataFrame) -> dict[str, Any]:
     """A table's columns and rows for JSON: None for a missing value, "inf" for an infinite one."""
@@ -32,20 +45,6 @@ def json_value(value: Any) -> Any:
 def finding(title: str, text: str, kind: str = "note") -> dict[str, str]:
     """A line of the report's verdict; ``kind``: good, bad or note."""
     return {"title": title, "text": text, "kind": kind}
-
-
-UNITS = {
-    **{"J_m2": "J/m²", "N": "N", "Nm": "N m", "m": "m", "m2": "m²", "m3": "m³", "Pa": "Pa"},
-    **{"degrees": "°", "s": "s"},
-}
-# Of columns that hold a share, which is shown in percent.
-SHARE = re.compile(r"_error$|^misfit$|difference$|difference_to_static$|_share$|peak_spread$")
-SYMBOLS = {"shear_N": "V (N)", "torque_Nm": "M (N m)", "eccentricity_over_a": "e / a"}
-CODE = re.compile(r"`([^`]*)`")
-NAMED = {
-    **dict.fromkeys(("model", "weights_from"), lambda name: label_of(name).name),
-    **{"option": option_name, "reduction": rule_name, "quantity": quantity_label},
-}
 
 
 def headings(tables: Mapping[str, pd.DataFrame]) -> dict[str, list[dict[str, Any]]]:

@@ -18,6 +18,10 @@ from workflow.case import REFERENCE
 # Smaller errors count as none: the distinct elements' peaks are not known more accurately.
 PEAK_ACCURACY = 0.0025
 OTHERS = ("limit", "law", "safe")  # models that are rules too: a load without a path to the peak
+MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
+AS_PRINTED = "as printed"  # the setting of samples with the friction that the paper prints
+DESIGN = "safe"  # the model whose loads are for design
+SHOWN = 6  # samples in one answer
 
 
 @dataclass(frozen=True)
@@ -140,12 +144,6 @@ def direction_words(ratio: float) -> str:
     if math.isinf(ratio):
         return "torsion"
     return f"e/a = {ratio:g}" if ratio else "pure shear"
-
-
-MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
-AS_PRINTED = "as printed"  # the setting of samples with the friction that the paper prints
-DESIGN = "safe"  # the model whose loads are for design
-SHOWN = 6  # samples in one answer
 
 
 @dataclass(frozen=True)

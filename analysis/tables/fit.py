@@ -24,6 +24,8 @@ from workflow.case import REFERENCE
 from workflow.results.tables import BEST_FIT, FIT, VARIANTS
 from workflow.schema import Study
 
+FEWEST = 3  # directions that an option is judged by
+
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
     """Misfit of every SiDMACIB variant, best first, for each detailed model, sample and mesh.
@@ -117,9 +119,6 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
                 names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
                 rows.append({**names, "friction": friction, **best})
     return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
-
-
-FEWEST = 3  # directions that an option is judged by
 
 
 def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> pd.DataFrame:

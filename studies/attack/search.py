@@ -46,6 +46,10 @@ CHECKS = {  # of the worst joints
 
 MORE_LOCKS = (7, 9, 12, 15)  # of the worst joints of elastic blocks, too slow to be searched
 MORE = "safe_over_first_failure_{}_locks"
+HEAD = [
+    *("space", "joints", "answered", "not solved"),
+    *("safe / first failure", "safe / peak, on other nodes"),
+]
 
 
 @dataclass(frozen=True)
@@ -304,12 +308,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     worst, total = table["safe_over_first_failure"].max(), table["evaluations"].sum()
     print(f"{total} joints; largest safe load over first failure {worst:.4f}; {given.table}")
     return 0 if worst <= 1.0 else 1
-
-
-HEAD = [
-    *("space", "joints", "answered", "not solved"),
-    *("safe / first failure", "safe / peak, on other nodes"),
-]
 
 
 def worst(results: Path, *, elastic: bool) -> str:

@@ -29,23 +29,6 @@ POINTS = Table(  # loads over T0
     ),
     SAMPLINGS.key,
 )
-
-
-def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """The table of samplings, joined with the batches of the law's ``answers``."""
-    law = pd.concat(answers, ignore_index=True)
-    keys = list(SAMPLINGS.key)
-    points = solved.merge(law, on=keys, how="left", validate="1:1")
-    return points[list(POINTS.columns)]
-
-
-def join_points(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
-    """Write the table."""
-    solved = read_table(SAMPLINGS, inputs["samplings"])
-    points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
-    write_table(POINTS, points, outputs["points"])
-
-
 ALL = "all"
 KNOWN = 0.5  # mesh error from which on the static model has no answer to compare with
 GROUPS = ((2, 3), (4, 5), (6, 9), (10, 15), (16, 31))  # numbers of locks in one row of a table
@@ -67,6 +50,36 @@ RULE_ERRORS = Table(
     ("rule", "option", "upper_body", "locks"),
     digits=4,
 )
+EXPONENTS = (1.0, 1.25, 1.5, 2.0)
+BETWEEN = ("sampling", "dry_faces", "upper_body", "eccentricity_over_a")
+INTERACTION = Table(
+    "interaction", ("exponent", *BETWEEN, *SPREAD), ("exponent", *BETWEEN), digits=4
+)
+ENERGIES = ((1.0, 10.0), (10.0, 100.0), (100.0, 1000.0))  # fracture energy over energy stored
+BONDS = Table(
+    "bonds",
+    (
+        *("bonds", "upper_body", "eccentricity_over_a", "points", "mean_peak_over_first_failure"),
+        *("largest_peak_over_first_failure", "mean_peak_over_pairs", "unsafe_share_of_half"),
+    ),
+    ("bonds", "upper_body", "eccentricity_over_a"),
+    digits=4,
+)
+
+
+def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The table of samplings, joined with the batches of the law's ``answers``."""
+    law = pd.concat(answers, ignore_index=True)
+    keys = list(SAMPLINGS.key)
+    points = solved.merge(law, on=keys, how="left", validate="1:1")
+    return points[list(POINTS.columns)]
+
+
+def join_points(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
+    """Write the table."""
+    solved = read_table(SAMPLINGS, inputs["samplings"])
+    points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
+    write_table(POINTS, points, outputs["points"])
 
 
 def spread(error: "pd.Series[float]") -> dict[str, float]:
@@ -199,13 +212,6 @@ def by_locks(joints: pd.DataFrame) -> Iterator[tuple[tuple[str, str], "pd.Series
         yield (body, f"{least} to {most}"), chosen
 
 
-EXPONENTS = (1.0, 1.25, 1.5, 2.0)
-BETWEEN = ("sampling", "dry_faces", "upper_body", "eccentricity_over_a")
-INTERACTION = Table(
-    "interaction", ("exponent", *BETWEEN, *SPREAD), ("exponent", *BETWEEN), digits=4
-)
-
-
 def curve(shear: float, torsion: float, ratio: float, exponent: float) -> float:
     """Load along e / a on the curve through the loads at both ends, in the unit of these.
 
@@ -241,18 +247,6 @@ def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
         regions = by_region(between, error, BETWEEN, BETWEEN[:-1])
         rows += [{"exponent": exponent, **row} for row in regions]
     return table_of(INTERACTION, rows)
-
-
-ENERGIES = ((1.0, 10.0), (10.0, 100.0), (100.0, 1000.0))  # fracture energy over energy stored
-BONDS = Table(
-    "bonds",
-    (
-        *("bonds", "upper_body", "eccentricity_over_a", "points", "mean_peak_over_first_failure"),
-        *("largest_peak_over_first_failure", "mean_peak_over_pairs", "unsafe_share_of_half"),
-    ),
-    ("bonds", "upper_body", "eccentricity_over_a"),
-    digits=4,
-)
 
 
 def bonds_table(points: pd.DataFrame) -> pd.DataFrame:

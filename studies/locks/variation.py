@@ -42,6 +42,32 @@ SENSITIVITY = Table(
     ("locks", "upper_body", "eccentricity_over_a", "parameter"),
     digits=4,
 )
+SCATTERED_LOCKS = (3, 5, 9, 15)
+VARIATIONS = (0.1, 0.2, 0.3)  # coefficients of variation of a lock's strength
+LOCKS = (3, 5, 7, 15)
+AREA = 0.003  # a b in m2; Table 1 of the paper
+SLENDERNESS = (0.8, 1.2, 2.0, 3.0)  # a / b
+HEIGHTS = (0.08, 0.16, 0.3, 0.6)  # h / b
+BODY_HEIGHTS = (0.4, 0.54, 1.0, 2.0)  # H / b
+FRICTIONS = (0.005, 0.3)
+CHARACTERISTIC = Table(
+    "characteristic",
+    (
+        *("locks", "upper_body", "eccentricity_over_a", "variation", "law_N"),
+        *("median_over_law", "characteristic_over_law"),
+    ),
+    ("locks", "upper_body", "eccentricity_over_a", "variation"),
+    digits=4,
+)
+ASSUMED_SIZES = Table(
+    "assumed_sizes",
+    (
+        *("locks", "friction", "half", "sizes", "working_at_assumed_sizes", "least_working"),
+        *("median_working", "most_working", "unsafe_share_of_half"),
+    ),
+    ("locks", "friction"),
+    digits=4,
+)
 
 
 def sensitivity_table(sampling: Sampling, base: Joint, draws: int = DRAWS) -> pd.DataFrame:
@@ -98,36 +124,6 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     sampling = dataclass_from(Sampling, arguments["sampling"])
     base = dataclass_from(Joint, arguments["base"])
     write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])
-
-
-SCATTERED_LOCKS = (3, 5, 9, 15)
-VARIATIONS = (0.1, 0.2, 0.3)  # coefficients of variation of a lock's strength
-
-LOCKS = (3, 5, 7, 15)
-AREA = 0.003  # a b in m2; Table 1 of the paper
-SLENDERNESS = (0.8, 1.2, 2.0, 3.0)  # a / b
-HEIGHTS = (0.08, 0.16, 0.3, 0.6)  # h / b
-BODY_HEIGHTS = (0.4, 0.54, 1.0, 2.0)  # H / b
-FRICTIONS = (0.005, 0.3)
-
-CHARACTERISTIC = Table(
-    "characteristic",
-    (
-        *("locks", "upper_body", "eccentricity_over_a", "variation", "law_N"),
-        *("median_over_law", "characteristic_over_law"),
-    ),
-    ("locks", "upper_body", "eccentricity_over_a", "variation"),
-    digits=4,
-)
-ASSUMED_SIZES = Table(
-    "assumed_sizes",
-    (
-        *("locks", "friction", "half", "sizes", "working_at_assumed_sizes", "least_working"),
-        *("median_working", "most_working", "unsafe_share_of_half"),
-    ),
-    ("locks", "friction"),
-    digits=4,
-)
 
 
 def characteristic_table(base: Joint) -> pd.DataFrame:

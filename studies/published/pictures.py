@@ -43,6 +43,14 @@ RATE = 6  # frames a second
 WIDEST = 0.22  # of a lock's width: the largest displacement that is drawn
 FILM_COLOURS = 96
 PLACES = ((0.0, 0.1, 0.66, 0.78), (0.735, 0.17, 0.25, 0.7))  # of map and curve in the figure
+JOINT = Joint(5, a=0.08, h=0.02, H=0.05)  # m
+CLEARANCE = Clearance(5e-4)
+LIGHT = np.array([0.5, -0.2, 0.84])  # of length 1
+LIFTED = 0.075  # m
+BLOCKS_COLOURS = 24
+FINE = 0.01  # m: sides of triangles, so that their order from the back is right
+# To the right, up, and towards the viewer.
+AXES = np.array([[-0.6, 0.8, 0.0], [-0.28, -0.21, 0.9367497], [0.7493998, 0.5620498, 0.35]])
 
 
 @dataclass(frozen=True)
@@ -220,16 +228,6 @@ def _fewer_colours(path: Path) -> None:
     drawn[0].save(
         path, save_all=True, append_images=drawn[1:], duration=times, loop=2, optimize=True
     )
-
-
-JOINT = Joint(5, a=0.08, h=0.02, H=0.05)  # m
-CLEARANCE = Clearance(5e-4)
-LIGHT = np.array([0.5, -0.2, 0.84])  # of length 1
-LIFTED = 0.075  # m
-BLOCKS_COLOURS = 24
-FINE = 0.01  # m: sides of triangles, so that their order from the back is right
-# To the right, up, and towards the viewer.
-AXES = np.array([[-0.6, 0.8, 0.0], [-0.28, -0.21, 0.9367497], [0.7493998, 0.5620498, 0.35]])
 
 
 def scene(parts: Sequence[tuple[Solid, float]]) -> Solid:

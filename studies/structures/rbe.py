@@ -26,6 +26,10 @@ from studies.structures.samples import HEAVY, Sample
 
 PYRAMID_SIDES = 8
 INFEASIBLE, UNBOUNDED = 2, 3  # of HiGHS, as SciPy has it
+INSTALLED = all(map(importlib.util.find_spec, ("compas", "compas_assembly", "compas_cra")))
+TENSION = 1e-3  # of the sum of compressions: more is needed only by what is unstable
+NEAR, LEAST_AREA = 1e-4, 1e-6  # m and m2, of interfaces that it finds, as in its examples
+STABLE, UNSTABLE = "stable", "unstable"
 
 
 def pyramid_tilt(assembly: Assembly, tilt: Tilt) -> float | None:
@@ -77,12 +81,6 @@ def _pyramids(friction: Floats) -> csr_array:
     row = np.arange(len(friction) * PYRAMID_SIDES)[:, None] + np.zeros(3, dtype=int)
     column = np.repeat(3 * np.arange(len(friction)), PYRAMID_SIDES)[:, None] + np.arange(3)
     return csr_array((blocks.reshape(-1), (row.ravel(), column.ravel())))
-
-
-INSTALLED = all(map(importlib.util.find_spec, ("compas", "compas_assembly", "compas_cra")))
-TENSION = 1e-3  # of the sum of compressions: more is needed only by what is unstable
-NEAR, LEAST_AREA = 1e-4, 1e-6  # m and m2, of interfaces that it finds, as in its examples
-STABLE, UNSTABLE = "stable", "unstable"
 
 
 def rbe_verdict(path: Path, sample: Sample) -> str | None:

@@ -30,15 +30,20 @@ STUDIES = Path(__file__).parents[2] / "studies"
 
 
 Campaign = Annotated[str, one_of(sorted(path.parent.name for path in STUDIES.glob("*/rules.smk")))]
+LONGEST = 500  # letters of a source
+FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a reference there
+# What the tables of all models depend on; the engines' numerics are not part of it. With further
+# sections it is a study still.
+_TABLES = (
+    *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
+    *("models", "sidmacib"),
+)
 
 
 def required_sections(name: str) -> tuple[str, ...]:
     """Sections of the configuration that the campaign ``name`` requires."""
     package = importlib.import_module(f"studies.{name}")
     return tuple(getattr(package, "REQUIRED_SECTIONS", ()))
-
-
-LONGEST = 500  # letters of a source
 
 
 def words(value: Any) -> str:
@@ -107,7 +112,6 @@ class MeasuredSection(Section):
     loads: tuple[MeasuredLoad, ...]
 
 
-FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a reference there
 _Description = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": FILE})]
 _Changes = Annotated[dict[Text, Any], WithJsonSchema({"type": "object"})]
 _Load = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": f"{FILE}#/$defs/LoadSection"})]
@@ -134,14 +138,6 @@ class FiguresSection(Section):
 
     mesh: Length | None = None
     eccentricity: Positive = 0.5
-
-
-# What the tables of all models depend on; the engines' numerics are not part of it. With further
-# sections it is a study still.
-_TABLES = (
-    *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
-    *("models", "sidmacib"),
-)
 
 
 class Study(Section):

@@ -39,6 +39,14 @@ from workflow.step import Arguments, Files, step
 Solve = Callable[[Problem], Outcome]
 Solved = tuple[Record[Any], Assembly, Outcome]
 HISTORY_COLUMNS = ("load_N", "displacement_m")
+LOADS = {
+    "peak_load_N": "load_N",
+    "failed_load_N": "failed_load_N",
+    "first_failure_load_N": "first_failure_load_N",
+    "mode": "mode",
+    "peak_spread": "peak_spread",
+    "error": "error",
+}
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
@@ -130,16 +138,6 @@ def _repeated(text: str, count: int) -> pa.Array:
 def _named(names: Iterable[str], index: Any) -> pa.Array:
     plain = pa.DictionaryArray.from_arrays(pa.array(index, pa.int32()), pa.array(list(names)))
     return plain.cast(pa.string())
-
-
-LOADS = {
-    "peak_load_N": "load_N",
-    "failed_load_N": "failed_load_N",
-    "first_failure_load_N": "first_failure_load_N",
-    "mode": "mode",
-    "peak_spread": "peak_spread",
-    "error": "error",
-}
 
 
 def write_case_files(arguments: Arguments, inputs: Files, outputs: Files) -> None:
