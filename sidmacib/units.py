@@ -95,7 +95,12 @@ def size_of(text: str, spelled: str, unit: str) -> float:
 
 def quantity_of(spelled: str) -> Quantity:
     """What the unit ``spelled`` measures; ValueError if it is none."""
-    plain = spelled.strip().translate(_PLAIN)
+    plain = plain_unit(spelled)
     if plain not in _OF:
         raise ValueError(f"{spelled!r} is not a unit; it must be one of {', '.join(_OF)}")
     return _OF[plain]
+
+
+def plain_unit(spelled: str) -> str:
+    """A unit as it stands in `QUANTITIES`: kNm for kN m, m2 for m²."""
+    return spelled.strip().translate(_PLAIN)

@@ -293,3 +293,17 @@ def test_a_terminal_sees_what_is_computed_and_nothing_of_it_at_the_end(
     with status_line() as show:
         show("1 of 2: law, e/a = 0")
     assert capsys.readouterr().err == "\r\x1b[K1 of 2: law, e/a = 0\r\x1b[K"
+
+
+def test_columns_are_in_the_units_that_were_asked_for() -> None:
+    (plain,) = answers("capacity", "-m", "law", "-e", "0.3")
+    (other,) = answers("capacity", "-m", "law", "-e", "0.3", "--units", "kN,N mm")
+    assert other["V (kN)"] == pytest.approx(float(str(plain["V (N)"])) / 1e3)
+    assert other["M (Nmm)"] == pytest.approx(float(str(plain["M (N m)"])) * 1e3)
+    assert other["e/a"] == plain["e/a"] and other["note"] == plain["note"]
+
+
+def test_an_unknown_unit_of_the_answer_is_named() -> None:
+    done = run("capacity", "-m", "law", "--units", "kN,stone")
+    assert done.exit_code == 2
+    assert "--units: 'stone' is not a unit; it must be one of m, mm" in done.output

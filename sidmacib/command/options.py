@@ -1,11 +1,13 @@
 """Options that commands share, and the headings that they stand under in the help."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
-from sidmacib.command.output import FORMATS
+from sidmacib.command.output import FORMATS, UNITS
+from sidmacib.units import plain_unit, quantity_of
 
 # In the order of the help; options without a group come first.
 OWN, LOAD, GEOMETRY, MATERIAL, OUTPUT = "Options", "Load", "Geometry", "Material", "Input, output"
@@ -53,7 +55,27 @@ class Once(GroupedCommand):
 
 WRITTEN = click.Path(dir_okay=False, path_type=Path)
 EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
-format_option = click.option(
+
+
+def _keep_units(ctx: click.Context, param: click.Parameter, value: str | None) -> None:
+    """Keep the unit asked for, and its size, by the SI unit in its place."""
+    try:
+        for spelled in value.split(",") if value else ():
+            quantity, plain = quantity_of(spelled), plain_unit(spelled)
+            ctx.meta.setdefault(UNITS, {})[quantity.unit] = plain, quantity.units[plain]
+    except ValueError as error:
+        raise click.UsageError(f"--units: {error}", ctx) from None
+
+
+units_option = click.option(
+    "--units",
+    callback=_keep_units,
+    expose_value=False,
+    help="Units of the columns of the printed answer, such as kN,kNm,mm; SI units without it.",
+    cls=Grouped,
+    group=OUTPUT,
+)
+_format_alone = click.option(
     "--format",
     "form",
     type=click.Choice(FORMATS),
@@ -63,6 +85,13 @@ format_option = click.option(
     cls=Grouped,
     group=OUTPUT,
 )
+
+
+def format_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the format and the units of its printed answer."""
+    return _format_alone(units_option(command))
+
+
 picture_option = click.option(
     "--picture",
     type=WRITTEN,

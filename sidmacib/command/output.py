@@ -5,7 +5,7 @@ import io
 import json
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 DIGITS = 4
 LARGEST = 1e9  # number shown without an exponent
 FORMATS = ("table", "json", "csv")
+UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
 # Of models, as in the figures of studies.
 COLOURS = {name: model.colour for name, model in MODELS.items()}
 COLOURS |= {"characteristic": ORANGE, "design": VERMILION}
@@ -31,7 +32,13 @@ BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 
 def text_of(rows: "Sequence[Row]", form: str) -> str:
-    """``rows`` in one of `FORMATS`; JSON and CSV have all digits."""
+    """``rows`` in one of `FORMATS`, in the units that were asked for; JSON and CSV have all digits.
+
+    A column in m, N and so on has its unit at the end of its name, in brackets.
+    """
+    context = click.get_current_context(silent=True)
+    if asked := context and context.meta.get(UNITS):
+        rows = [dict(_in_units(key, value, asked) for key, value in row.items()) for row in rows]
     if form == "json":
         return json.dumps(list(rows), indent=1)
     head = list(rows[0]) if rows else []
@@ -52,6 +59,15 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
         for line in cells
     ]
     return "\n".join(lines)
+
+
+def _in_units(key: str, value: Any, asked: Mapping[str, tuple[str, float]]) -> tuple[str, Any]:
+    """A column's name and a value in it, in the unit ``asked`` for in place of the SI unit."""
+    name, _, unit = key.removesuffix(")").rpartition(" (")
+    if unit not in asked or not key.endswith(")"):
+        return key, value
+    other, size = asked[unit]
+    return f"{name} ({other})", value / size if isinstance(value, int | float) else value
 
 
 def _cell(value: Any) -> str:
