@@ -4,22 +4,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Condition
 
-from werkzeug.datastructures import Headers
-from werkzeug.exceptions import (
-    Forbidden,
-    HTTPException,
-    LengthRequired,
-    MethodNotAllowed,
-    RequestEntityTooLarge,
-    UnsupportedMediaType,
-)
+from werkzeug.exceptions import Forbidden, HTTPException, UnsupportedMediaType
 from werkzeug.wrappers import Request
 
 NAMES = ("127.0.0.1", "localhost", "[::1]")
 MOST_BYTES = 4096  # of a post
 PAGES = ("/", "/structures")
-METHODS = ("GET", "HEAD", "POST")
-HTTP_PORT = 80  # which browsers leave out
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; connect-src 'self'; form-action 'none'; base-uri 'none'; "
@@ -44,43 +34,23 @@ def require_own(request: Request, port: int) -> None:
     page could use this server.
     """
     allowed = [f"{name}:{port}" for name in NAMES]
-    host = request.headers.get("Host", "")
-    if port == HTTP_PORT:
-        allowed.extend(NAMES)
+    headers, host = request.headers, request.headers.get("Host", "")
     if host not in allowed:
         raise Forbidden(f"The host must be one of {', '.join(allowed)}.")
-    if request.headers.get("Origin", f"http://{host}") != f"http://{host}":
+    if headers.get("Origin", f"http://{host}") != f"http://{host}":
         raise Forbidden(f"The origin must be http://{host}.")
-    if request.method not in METHODS:
-        raise MethodNotAllowed(METHODS)
-    if not (_is_from_page(request.headers) or _is_visit(request)):
-        raise Forbidden("Only this page itself may ask for that.")
-    if request.method == "POST":
-        _require_small(request)
-
-
-def _is_from_page(headers: Headers) -> bool:
-    """Whether a browser does not say that another page asks."""
-    return headers.get("Sec-Fetch-Site", "none") in ("same-origin", "none")
-
-
-def _is_visit(request: Request) -> bool:
-    """Whether a browser opens a page itself, from a link for example."""
-    return (
+    # A browser opens a page itself, from a link for example.
+    visit = (
         request.method == "GET"
         and request.path in PAGES
-        and request.headers.get("Sec-Fetch-Mode") == "navigate"
-        and request.headers.get("Sec-Fetch-Dest") == "document"
+        and headers.get("Sec-Fetch-Mode") == "navigate"
+        and headers.get("Sec-Fetch-Dest") == "document"
     )
-
-
-def _require_small(request: Request) -> None:
-    if request.mimetype != "application/json":
+    if not visit and headers.get("Sec-Fetch-Site", "none") not in ("same-origin", "none"):
+        raise Forbidden("Only this page itself may ask for that.")
+    if request.method == "POST" and request.mimetype != "application/json":
         raise UnsupportedMediaType("A post must be application/json.")
-    if request.content_length is None:
-        raise LengthRequired("A post must have a Content-Length.")
-    if request.content_length > MOST_BYTES:
-        raise RequestEntityTooLarge(f"A post must have at most {MOST_BYTES} bytes.")
+    request.max_content_length = MOST_BYTES
 
 
 def in_one_line(error: HTTPException) -> str:
