@@ -74,7 +74,7 @@ def test_a_lock_that_fails_otherwise_is_an_error_of_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(fcntl, "flock", refusing(errno.EIO))
-    with pytest.raises(CallError, match="cannot be locked: input/output error"):
+    with pytest.raises(CallError, match="cannot be written to: input/output error"):
         workflow_command.lock(tmp_path / "results")
 
 

@@ -38,20 +38,18 @@ def lock(results: Path) -> TextIO:
     try:
         results.mkdir(parents=True, exist_ok=True)
         stream = (results / LOCK).open("a+")
-    except OSError as error:
-        raise CallError(f"results: {results} cannot be written to: {_reason(error)}") from None
-    try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        stream.seek(0)
-        other = stream.read().strip() or "unknown"
-        raise CallError(f"{results}: another run is using this folder (process {other})") from None
-    except OSError as error:
-        if error.errno not in NO_LOCKS:
-            raise CallError(f"results: {results} cannot be locked: {_reason(error)}") from None
-        words = "its file system has no locks, so start no second run in it"
-        print(f"{results}: {words} ({_reason(error)})", file=sys.stderr)
-    try:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            stream.seek(0)
+            other = stream.read().strip() or "unknown"
+            words = f"another run is using this folder (process {other})"
+            raise CallError(f"{results}: {words}") from None
+        except OSError as error:
+            if error.errno not in NO_LOCKS:
+                raise
+            words = "its file system has no locks, so start no second run in it"
+            print(f"{results}: {words} ({_reason(error)})", file=sys.stderr)
         stream.truncate(0)
         stream.write(f"{os.getpid()}\n")
         stream.flush()
