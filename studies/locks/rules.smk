@@ -39,7 +39,7 @@ rule points:
         "tables.py"
 
 
-rule comparisons:
+rule law_tables:
     input:
         points=rules.points.output.points,
     output:
@@ -48,7 +48,7 @@ rule comparisons:
         interaction=shown("tables/interaction.csv"),
         bonds=shown("tables/bonds.csv"),
     log:
-        below("logs/comparisons.log"),
+        below("logs/law_tables.log"),
     group:
         "tables"
     params:
@@ -133,7 +133,7 @@ rule law_figures:
 OF_CAMPAIGN = [
     *OF_LAW,
     *rules.points.output,
-    *rules.comparisons.output,
+    *rules.law_tables.output,
     *rules.freedoms.output,
     *rules.sensitivity.output,
     *rules.paper_joint.output,
