@@ -156,7 +156,7 @@ system-test:
 # no digests from constraints, and users who run studies should not install the developers' packages.
 lock: .venv/test.ready
 	$(COMPILE) --output-file requirements.txt
-	for extra in installer dev slurm peers compas rhino; do \
+	for extra in installer dev slurm peers compas rhino step; do \
 		$(COMPILE) --extra $$extra --constraint requirements.txt --output-file requirements-$$extra.txt \
 			$$(sed -n 's/^\([A-Za-z0-9._-]*\)==.*/--no-emit-package \1/p' requirements.txt) && \
 		{ [ $$extra = installer ] || sed -i '2a --requirement requirements.txt' requirements-$$extra.txt; } || exit 1; \

@@ -3,6 +3,8 @@
 import csv
 import io
 import math
+import re
+import sys
 import zipfile
 from itertools import combinations
 from pathlib import Path
@@ -19,6 +21,7 @@ from sidmacib.build.kinds import kinds, laid, letters, own_axes
 from sidmacib.build.sheet import draw_sheet, spelled
 from sidmacib.build.solids import Clearance, Solid, solids
 from sidmacib.build.sources import Found, blocks_of_file, joint_blocks
+from sidmacib.build.step import step
 from sidmacib.build.views import cut_place, section, view
 from sidmacib.command.main import main
 from sidmacib.joint.joint import Joint, OwnLock, Side
@@ -315,3 +318,28 @@ def test_a_file_of_a_joint_is_taken_as_its_flags_are(tmp_path: Path) -> None:
     ]
     assert {found.exit_code for found in printed} == {0}
     assert len({found.output for found in printed}) == 1
+
+
+def test_step_has_the_volume_and_the_names_of_the_solids(tmp_path: Path) -> None:
+    of_shapes, of_volumes, files = (
+        pytest.importorskip(f"OCP.{name}") for name in ("BRepGProp", "GProp", "STEPControl")
+    )
+    found = made(joint_blocks(Joint(5)), GAPS)
+    for unit in ("mm", "m"):
+        path = tmp_path / f"{unit}.step"
+        path.write_bytes(step(found, unit))
+        assert re.findall(r"= PRODUCT\('([^']+)'", path.read_text()) == ["1 lower", "2 upper"]
+        reader, volume = files.STEPControl_Reader(), of_volumes.GProp_GProps()
+        reader.ReadFile(str(path))
+        reader.TransferRoots()
+        of_shapes.BRepGProp.VolumeProperties_s(reader.OneShape(), volume)  # in mm3
+        assert volume.Mass() == pytest.approx(1e9 * sum(each.volume for each in found), rel=1e-9)
+
+
+def test_step_without_its_package_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "OCP.Message", None)
+    done = CliRunner().invoke(main, ["build", "-n", "3", "-o", str(tmp_path), "--step"])
+    assert done.exit_code == 2
+    assert "--step: needs the package cadquery-ocp-novtk: pip install multi" in done.output

@@ -37,7 +37,8 @@ NOT_IMPORTED = {
         "types-pyyaml",
         "uv",
     ),
-    *("highspy", "rhino3dm", "setuptools", "snakemake", "snakemake-executor-plugin-slurm"),
+    *("cadquery-ocp-novtk", "highspy", "rhino3dm", "setuptools", "snakemake"),
+    "snakemake-executor-plugin-slurm",
     "snakemake-logger-plugin-rich",
 }
 

@@ -187,6 +187,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     show_default=True,
     help="Kind of the drawings.",
 )
+@click.option("--step", is_flag=True, help="Write STEP too; needs multilock[step].")
 @format_option
 def build(
     source: Path | None,
@@ -195,13 +196,15 @@ def build(
     head_clearance: float,
     unit: str,
     drawings: str,
+    step: bool,
     form: str,
     push: str,
     **flags: Any,
 ) -> None:
     """Write the blocks with their locks as closed solids.
 
-    As STL, 3MF and OBJ, with a table of volumes and masses and drawings of each kind of block.
+    As STL, 3MF and OBJ, on request as STEP, with a table of volumes and masses and drawings of
+    each kind of block.
 
     FILE is a structure as for assembly, with or without a load, or a joint's file. Without FILE
     the options describe a joint. Each lock is added to its own block and cut out of the other;
@@ -212,7 +215,7 @@ def build(
         from sidmacib.build.kinds import kinds
         from sidmacib.build.solids import Clearance, solids
         from sidmacib.build.sources import blocks_of_file, joint_blocks
-        from sidmacib.command.build import table, write_all
+        from sidmacib.command.build import table, write_all, write_step
 
         given = [name for name, value in flags.items() if value is not None]
         found = None if source is None else blocks_of_file(source)
@@ -228,4 +231,6 @@ def build(
         made = solids(blocks, rows, gaps, near)
         of = kinds(made)
         write_all(made, of, rows, gaps, output, unit, drawings, progress)
+        if step:
+            write_step(made, output, unit)
     click.echo(text_of(table(made, of, unit), form))

@@ -67,3 +67,15 @@ def write_all(
         raise click.UsageError(f"--output {folder}: {error.strerror or error}") from None
     if len(of) > SHEETS:
         click.echo(f"Note: of {len(of)} kinds the first {SHEETS} are drawn", err=True)
+
+
+def write_step(made: Sequence[Solid], folder: Path, unit: str) -> None:
+    """Write ``made`` as STEP into ``folder``; `click.UsageError` if that fails."""
+    from sidmacib.build.step import step
+
+    try:
+        (folder / "blocks.step").write_bytes(step(made, unit))
+    except ImportError as error:
+        raise click.UsageError(f"--step: {error}") from None
+    except OSError as error:
+        raise click.UsageError(f"--output {folder}: {error.strerror or error}") from None
