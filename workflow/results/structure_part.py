@@ -56,7 +56,7 @@ class StructurePart:
             weight_N=rounded(free_weight(assembly)),
             given_peak_N=given and rounded(given.peak),
             given_first_failure_N=given and rounded(given.first),
-            first_interface=_name(assembly, next(iter(outcome.broken_at), None)),
+            first_interface=next((assembly.faces[face].name for face in outcome.broken_at), None),
             mesh_error=errors.peak if counts is None or counts.peak else errors.first,
             first_failure_mesh_error=errors.first,
             nodes=len(assembly.nodes.area),
