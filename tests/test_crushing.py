@@ -1,6 +1,5 @@
 """Interfaces whose blocks have a compressive strength, against closed forms."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from sidmacib.answers.structure import static_answer
 from sidmacib.design.file import task_of
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
-from sidmacib.errors import CapacityError, NoEquilibriumError
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.crushing import _stress_blocks
 from sidmacib.mechanics.limit import limit_load
@@ -68,12 +67,7 @@ def test_a_pier_overturns_about_the_middle_of_what_is_pressed() -> None:
     exact = WEIGHT * (WIDTH - depth) / HEIGHT
     load = limit_load(*problem, friction=True).load
     assert CLOSE * exact <= load <= exact
-    answer = static_answer(problem)
-    assert answer.load == pytest.approx(load, rel=2e-3)
-    assert str(answer.counts) == (
-        "the first failure counts: ground-pier is crushed before the peak"
-    )
-    assert answer.failures.peak == pytest.approx(WEIGHT * WIDTH / HEIGHT, rel=1e-3)
+    assert static_answer(problem).load == pytest.approx(WEIGHT * WIDTH / HEIGHT, rel=1e-3)
 
 
 def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
@@ -129,26 +123,28 @@ def test_no_stress_block_of_any_direction_is_taken_to_carry_more(
         assert use <= 1.3  # which the polyhedron is not far inside of, however askew
 
 
-def test_the_command_names_what_is_crushed_and_how_far_it_is_used(tmp_path: Path) -> None:
+def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> None:
     path = tmp_path / "pier.yaml"
     path.write_text(yaml.safe_dump(pier({"acceleration": [1, 0, 0], "newtons": "5kN"})))
     found = run("assembly", str(path))
     assert "; crushed: ground-pier; largest displacement: pier" in found.output
-    assert "to the peak; the first failure counts: ground-pier is crushed before" in found.output
-    (row,) = json.loads(run("assembly", str(path), "--interfaces", "--format", "json").stdout)
-    assert row["crushing"] == pytest.approx(1.0, abs=0.02)
+    assert "counts: no bond fails before the peak; no crushing; failure mode" in found.output
+    line = found.output.splitlines()[0]
+    assert line == (
+        "Yes: it carries 5000 N with a factor of 2.17 to the limit with crushing, 2.35; only limit "
+        "analysis considers crushing"
+    )
+    heavy = pier({"acceleration": [1, 0, 0], "newtons": "5kN"}, strength=0.9 * 2000 * GRAVITY * 2)
+    path.write_text(yaml.safe_dump(heavy))
+    found = run("assembly", str(path))
+    assert found.exit_code == 1
+    assert found.output.startswith("No: the structure does not stand under its own weight")
     keyed = example("keyed") | {"interfaces": {"friction": 0.5, "compressive_strength": "5MPa"}}
     path.write_text(yaml.safe_dump(keyed))
     assert (
         "Note: compressive_strength: does not limit interfaces with"
         in run("assembly", str(path)).output
     )
-
-
-def test_a_pier_too_heavy_for_its_strength_does_not_stand() -> None:
-    problem = structure_of(pier({"acceleration": [1, 0, 0]}, strength=0.9 * 2000 * GRAVITY * 2))
-    with pytest.raises(NoEquilibriumError, match="ground-pier is crushed under its own weight"):
-        static_answer(problem)
 
 
 def test_what_knows_no_crushing_refuses_it() -> None:

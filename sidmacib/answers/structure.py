@@ -6,19 +6,14 @@ of how far it still will: it counts only if three meshes agree on it, the third 
 quarter of the size, on which the lowest peak is sought. Otherwise the first failure counts, which
 hardly depends on the mesh.
 
-The model knows no crushing. Where blocks have a compressive strength, its first failure is also the
-load at which an interface first reaches the limit of `sidmacib.mechanics.crushing`, between two
-equilibria as if forces changed in proportion; it then counts, whatever the peak.
+The model knows no crushing: `sidmacib.answers.verdict` takes that from limit analysis.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import dataclass
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
@@ -31,7 +26,6 @@ from sidmacib.structure.structure import refined
 
 HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
 MOST_NODES = 6000  # on cells of a quarter: more take too much time and memory
-PARTS = 1001  # between two equilibria, where a face is crushed between them
 SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
 NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the peak"
 
@@ -91,10 +85,7 @@ def bond_fails(failures: Failures) -> bool:
 
 @dataclass(frozen=True)
 class _Followed:
-    """A path to the peak on some cells; ``spread``: as in `StaticAnswer`.
-
-    ``crushed``: the name of the face that is crushed first before the peak, if any.
-    """
+    """A path to the peak on some cells; ``spread``: as in `StaticAnswer`."""
 
     assembly: Assembly
     failures: Failures
@@ -102,60 +93,6 @@ class _Followed:
     mode: str
     mechanism: Floats | None = None
     spread: float | None = None
-    crushed: str = ""
-
-    @classmethod
-    def of(
-        cls,
-        assembly: Assembly,
-        failures: Failures,
-        path: tuple[Equilibrium, ...],
-        mode: str,
-        mechanism: Floats | None = None,
-        spread: float | None = None,
-    ) -> "_Followed":
-        """With the equilibrium at which a face is crushed, if one is, as a first failure."""
-        after, point, name = _crushed(assembly, path)
-        if point is not None:
-            failures = Failures(min(failures.first, point.load), failures.peak)
-            path = (*path[:after], point, *path[after:])
-        return cls(assembly, failures, path, mode, mechanism, spread, name)
-
-
-def _crushed(
-    assembly: Assembly, path: tuple[Equilibrium, ...]
-) -> tuple[int, Equilibrium | None, str]:
-    """The equilibrium at which a face first reaches its limit, with its place and the face's name.
-
-    None if no face does.
-    """
-    forces = np.array([point.force[:, 0] for point in path])
-    found: tuple[int, Equilibrium | None, str] = 0, None, ""
-    for number, use in crushing_use(assembly, forces).items():
-        beyond = np.flatnonzero(use > 1.0)
-        if not len(beyond):
-            continue
-        after, share = int(beyond[0]), 0.0
-        before = max(after - 1, 0)
-        if after:
-            parts = np.linspace(0.0, 1.0, PARTS)
-            between = forces[before] + parts[:, None] * (forces[after] - forces[before])
-            share = float(parts[np.flatnonzero(crushing_use(assembly, between)[number] <= 1.0)[-1]])
-        point = _between(path[before], path[after], share)
-        if found[1] is None or point.load < found[1].load:
-            found = after, point, assembly.faces[number].name
-    return found
-
-
-def _between(one: Equilibrium, other: Equilibrium, share: float) -> Equilibrium:
-    """What lies between two equilibria, at a ``share`` of the way."""
-    return replace(
-        one,
-        load=one.load + share * (other.load - one.load),
-        unknowns=one.unknowns + share * (other.unknowns - one.unknowns),
-        displacement=one.displacement + share * (other.displacement - one.displacement),
-        force=one.force + share * (other.force - one.force),
-    )
 
 
 def static_answer(problem: Problem) -> StaticAnswer:
@@ -173,10 +110,7 @@ def _answered(problem: Problem) -> StaticAnswer:
         raise NoEquilibriumError(DOES_NOT_STAND)
     if not bond_fails(found[HALF].failures):
         return _answer(found, Counts(peak=True, why=NO_BOND))
-    name = found[HALF].crushed
-    why = f"{name} is crushed before the peak" if name else _doubt(problem, found)
-    if name and not found[HALF].failures.first > 0.0:
-        raise NoEquilibriumError(f"{name} is crushed under its own weight")
+    why = _doubt(problem, found)
     if why and not found[max(found)].failures.first > 0.0:
         raise CapacityError(f"bonds fail under its own weight alone, and {why}")
     return _answer(found, Counts(peak=not why, why=why or AGREE))
@@ -215,13 +149,13 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> _Fol
         if loads.axis is not None:
             tilt = static_tilt(assembly, Tilt(loads.axis))
             failures = Failures(float(tilt.first_failure), float(tilt.angle))
-            return _Followed.of(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
+            return _Followed(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
         found = (lowest_peak if lowest else static_peak)(assembly, loads)
     except NoEquilibriumError:
         raise NoEquilibriumError(DOES_NOT_STAND) from None
     failures = Failures(float(found.first_failure_load), float(found.peak.load))
     spread = found.spread if lowest else None
-    return _Followed.of(assembly, failures, found.path, str(found.mode), spread=spread)
+    return _Followed(assembly, failures, found.path, str(found.mode), spread=spread)
 
 
 def _mesh_errors(found: Mapping[int, _Followed]) -> MeshErrors:

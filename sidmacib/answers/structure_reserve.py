@@ -2,14 +2,17 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
-from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
-from sidmacib.structure.analysis.reserve import Push, geometrical_factor, least_push, pushes
+from sidmacib.structure.analysis.reserve import (
+    Push,
+    geometrical_factor,
+    least_push,
+    pushes,
+    strength_factor,
+)
 from sidmacib.structure.loads import StructureLoads, naming_permanent
 
 
@@ -20,8 +23,8 @@ class Reserve:
     ``factor``: the geometrical safety factor; None where it has no limit, or bonds or locks are
     there. ``least``: the least horizontal acceleration; None if there is none; ``tried``: others.
     ``static``: what the static model says against it, or nothing; ``falls``: whether that is that
-    it does not stand, or that a bond fails. ``crushing``: the name of the interface that uses most
-    of its compressive strength in that model, and the part.
+    it does not stand, or that a bond fails. ``strength``: how many times as large as it needs to be
+    the compressive strength is; None where there is none, or no limit.
     """
 
     factor: float | None
@@ -29,7 +32,7 @@ class Reserve:
     tried: tuple[Push, ...]
     static: str = ""
     falls: bool = False
-    crushing: tuple[str, float] | None = None
+    strength: float | None = None
 
 
 def reserve(problem: Problem) -> Reserve:
@@ -40,16 +43,18 @@ def reserve(problem: Problem) -> Reserve:
         factor = geometrical_factor(assembly, loads)
         tried = pushes(assembly, loads)
         found = Reserve(factor, least_push(assembly, loads, tried), tried)
+        found = replace(found, strength=strength_factor(assembly, loads))
     try:
         with naming_permanent(loads):
-            return replace(found, crushing=_crushing(problem))
+            _require_static(problem)
+            return found
     except CapacityError as error:
         falls = isinstance(error, NoEquilibriumError)
         return replace(found, static=str(error), falls=falls)
 
 
-def _crushing(problem: Problem) -> tuple[str, float] | None:
-    """The interface that is crushed most in the static model; CapacityError if it falls."""
+def _require_static(problem: Problem) -> None:
+    """`CapacityError` unless the structure stands in the static model, and no bond fails."""
     assembly = problem.assembly
     if reason := assembly.without_stiffness:
         raise CapacityError(reason)
@@ -60,11 +65,3 @@ def _crushing(problem: Problem) -> tuple[str, float] | None:
     for face in interface_forces(assembly, state.force):
         if face.bonded and face.utilisation > 1.0:
             raise NoEquilibriumError(f"the bond of {face.name} fails under its own weight")
-    use = crushing_use(assembly, np.array(state.force[None, :, 0]))
-    if not use:
-        return None
-    most = max(use, key=lambda number: float(use[number][0]))
-    name, part = assembly.faces[most].name, float(use[most][0])
-    if part > 1.0:
-        raise NoEquilibriumError(f"{name} is crushed under its own weight")
-    return name, part

@@ -1,7 +1,8 @@
 """Whether a structure carries a load, and by what factor.
 
 The load that counts in the static model decides. Where that model has no answer limit analysis
-does, which may overestimate, and the words say so.
+does, which may overestimate, and the words say so. Where blocks have a compressive strength, which
+only limit analysis considers, the lower of both loads decides.
 """
 
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from sidmacib.answers.structure import StaticAnswer, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.crushing import crushed_faces
 
 if TYPE_CHECKING:  # limit analysis loads solvers of programmes
     from sidmacib.mechanics.limit import LimitState
@@ -21,7 +23,7 @@ if TYPE_CHECKING:  # limit analysis loads solvers of programmes
 class Verdict:
     """What is carried over the ``newtons`` (N) that are to be carried, and what follows.
 
-    ``factor``: of the load that counts; ``first``, ``peak``: of the first failure and the peak in
+    ``factor``: of the load that decides; ``first``, ``peak``: of the first failure and the peak in
     the static model; ``limit``: of limit analysis; None where there is no answer, or no limit.
     ``words``: without yes or no; ``note``: what the factors rest on.
     """
@@ -47,9 +49,9 @@ class Verdict:
 def verdict(newtons: float, static: StaticAnswer | CapacityError, limit: "Limit") -> Verdict:
     """The verdict on a load of ``newtons``, by the answers of both models."""
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
-    if isinstance(static, StaticAnswer):
-        return _by_static(newtons, static, most)
     falls = next((e for e in (static, limit) if _falls(e)), None)
+    if isinstance(static, StaticAnswer) and not (falls and crushed_faces(static.assembly)):
+        return _by_static(newtons, static, most)
     if falls is not None:
         return Verdict(newtons, False, _plain(str(falls)), limit=most)
     if isinstance(limit, UnboundedError):
@@ -73,6 +75,9 @@ def _by_static(newtons: float, static: StaticAnswer, most: float | None) -> Verd
         notes.append(str(static.counts))
     if abs(factor - 1.0) < error * factor:
         notes.append(f"the mesh error of {100.0 * error:.2g} % leaves it open")
+    if most is not None and most < factor and crushed_faces(static.assembly):
+        factors = f"{most:.3g} to the limit with crushing, {factors}"
+        factor, notes = most, ["only limit analysis considers crushing"]
     words = f"{_carries(newtons, passes=factor >= 1.0)} with a factor of {factors}"
     return Verdict(newtons, factor >= 1.0, words, "; ".join(notes), factor, first, peak, most)
 

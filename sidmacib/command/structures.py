@@ -7,8 +7,7 @@ from sidmacib.answers.structure import StaticAnswer, static_answer
 from sidmacib.answers.structure_limit import assumes, limit_state
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.crushing import crushing_use
+from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
@@ -97,22 +96,16 @@ def interface_rows(problem: Problem) -> list[Row]:
     """
     answer = static_answer(problem)
     state = answer.state
-    crushing = crushing_use(answer.assembly, state.force[None, :, 0])
     return [
         {
             "interface": each.name,
             "compression (N)": each.normal,
             "shear (N)": each.shear,
             "utilisation": each.utilisation,
-            **({"crushing": _only(crushing.get(number))} if crushing else {}),
             "bonded": each.bonded,
         }
-        for number, each in enumerate(interface_forces(answer.assembly, state.force, state.state))
+        for each in interface_forces(answer.assembly, state.force, state.state)
     ]
-
-
-def _only(use: Floats | None) -> float | None:
-    return None if use is None else float(use[0])
 
 
 def _crushed(problem: Problem, limit: LimitState) -> str:
@@ -167,7 +160,8 @@ def _note(problem: Problem, answer: StaticAnswer) -> str:
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
     rotation = rotation_words(_rotation_effect(problem, answer)) or "small displacements"
-    return f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
+    no = "; no crushing" if crushed_faces(answer.assembly) else ""
+    return f"{answer.counts}{no}; failure mode: {answer.mode}{moves}; {rotation}"
 
 
 def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:

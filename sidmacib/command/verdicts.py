@@ -12,6 +12,7 @@ from sidmacib.command.answers import Row
 from sidmacib.command.structures import limit_of, static_of, structure_rows
 from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.reserve import Push
@@ -81,6 +82,10 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
             "limit", "geometrical safety factor", found.factor, _factor_note(problem, found.factor)
         )
     ]
+    if crushed_faces(problem.assembly):
+        note = "how many times as large as they need to be they are"
+        note = note if found.strength else "no limit: more than 100"
+        rows.append(_reserve_row("limit", "factor of compressive strengths", found.strength, note))
     least = [] if found.least is None else [("least", found.least)]
     axes = [("", push) for push in found.tried if 1.0 in map(abs, push.direction)]
     for name, push in (*least, *axes):
@@ -88,9 +93,6 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         note = f"{tilt}largest displacement: {moves_most(problem.assembly, push.mechanism)}"
         what = f"{name} horizontal acceleration (g), towards {_way(push)}".lstrip()
         rows.append(_reserve_row("limit", what, push.acceleration, note))
-    if found.crushing is not None:
-        name, part = found.crushing
-        rows.append(_reserve_row("static", "compressive strength used", part, name))
     rows.append(_reserve_row("static", "stands", None, found.static or "in equilibrium"))
     if found.falls:
         return rows, f"No: {_lower(found.static)} in the static model", False

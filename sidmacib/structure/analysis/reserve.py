@@ -11,14 +11,14 @@ weakest of some directions the search goes on along the normal, as long as it ge
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Vector
-from sidmacib.mechanics.crushing import crushed_faces
+from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.structure.loads import StructureLoads, free_weight, pushed
 
@@ -51,22 +51,53 @@ def geometrical_factor(assembly: Assembly, loads: Loads) -> float | None:
     require_standing(assembly, loads, friction=True)
     if any(face.kind is not Kind.DRY for face in assembly.faces):
         return None
+    return _largest(lambda factor: _stands(_smaller(assembly, factor), loads))
+
+
+def strength_factor(assembly: Assembly, loads: Loads) -> float | None:
+    """How many times as large as it needs to be the compressive strength is.
+
+    None where there is none, or no limit up to `MOST`. `InfeasibleError` if it does not stand.
+    """
+    if not crushed_faces(assembly):
+        return None
+    require_standing(assembly, loads, friction=True)
+    return _largest(lambda factor: _stands(_weaker(assembly, factor), loads))
+
+
+def _largest(stands: Callable[[float], bool]) -> float | None:
+    """The largest factor at which a structure ``stands``; None from `MOST` on."""
     low, high = 1.0, MOST
-    if _stands(assembly, loads, high):
+    if stands(high):
         return None
     while high / low > 1.0 + PRECISION:
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if _stands(assembly, loads, middle) else (low, middle)
+        low, high = (middle, high) if stands(middle) else (low, middle)
     return low
 
 
-def _stands(assembly: Assembly, loads: Loads, factor: float) -> bool:
-    """Whether it stands on interfaces that are smaller by a ``factor``."""
+def _smaller(assembly: Assembly, factor: float) -> Assembly:
+    """With interfaces that are smaller by a ``factor``."""
     nodes = assembly.nodes
     middle = np.array([face.middle for face in assembly.faces])[nodes.face]
     smaller = replace(nodes, position=middle + (nodes.position - middle) / factor)
+    return replace(assembly, nodes=smaller)
+
+
+def _weaker(assembly: Assembly, factor: float) -> Assembly:
+    """With compressive strengths that are lower by a ``factor``."""
+    faces = list(assembly.faces)
+    for number, face, strength in crushed_faces(assembly):
+        assert isinstance(face.material, CrushedMaterial)
+        law = replace(face.material, compressive_strength=strength / factor)
+        faces[number] = replace(face, material=law)
+    return replace(assembly, faces=tuple(faces))
+
+
+def _stands(assembly: Assembly, loads: Loads) -> bool:
+    """Whether admissible forces balance the ``loads``."""
     try:
-        require_standing(replace(assembly, nodes=smaller), loads, friction=True)
+        require_standing(assembly, loads, friction=True)
     except InfeasibleError:
         return False
     return True
