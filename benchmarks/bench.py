@@ -35,8 +35,8 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
-from workflow.results.files import read_times
-from workflow.run.closure import ROOT
+from workflow.closure import ROOT
+from workflow.results.record import read_times
 from workflow.sampling import Sampling, sampled_joints
 from workflow.steps.sampling import solved_rows
 

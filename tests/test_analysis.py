@@ -19,12 +19,12 @@ from analysis.tables.collect import (
     weights_table,
 )
 from analysis.tables.fit import best_pair, fit_table
-from analysis.tables.misfit import winner
+from analysis.tables.study_points import winner
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import active
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.results.joint_part import JointRecord
 from workflow.results.record import record_without_result
 from workflow.results.tables import (

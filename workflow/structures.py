@@ -11,7 +11,7 @@ from sidmacib.models import MODELS, SOLVED
 from sidmacib.quantities import shown
 from workflow.case import REFERENCE, Case, StructureCase, StructureSubject, structure_case_name
 from workflow.schema import Study
-from workflow.schema.structures import StructureSection
+from workflow.schema.study import StructureSection
 
 LOAD, SUPPORT = "load", "support"  # keys of a description, and of a load
 ABLE = tuple(  # models of structures: those of rigid pieces
@@ -113,8 +113,8 @@ def structure_faults(study: Study) -> Iterator[str]:
 
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     # Polygons take long to import.
-    from sidmacib.structure.files.sections import LoadSection  # noqa: PLC0415
-    from sidmacib.structure.files.structure_file import assembly_of  # noqa: PLC0415
+    from sidmacib.structure.files.loads import LoadSection  # noqa: PLC0415
+    from sidmacib.structure.files.structure_file import assembly_of, permanent_of  # noqa: PLC0415
 
     for variant, group in groupby(described(section), key=itemgetter(1)):
         place = f"variants.{variant}" if variant != REFERENCE else "description"
@@ -126,7 +126,8 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
             continue
         for load, description in cases:
             try:
-                LoadSection.read(description.get(LOAD), LOAD).on(assembly)
+                given = LoadSection.read(description.get(LOAD), LOAD)
+                given.on(assembly, permanent_of(assembly, description))
             except ValueError as error:
                 yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
 

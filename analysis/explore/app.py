@@ -8,18 +8,16 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from threading import Thread
-from typing import Any, Generic
+from typing import Annotated, Any, Generic
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
+from pydantic import BaseModel, Field
 from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, NotFound
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
 from analysis.drawing.labels import label_of
-from analysis.explore.covered import covered
-from analysis.explore.desk import Desk, SupersededError
-from analysis.explore.effects import effects
 from analysis.explore.examples import (
     EXAMPLES,
     STRUCTURE_MODELS,
@@ -29,8 +27,17 @@ from analysis.explore.examples import (
     choice_in,
     defaults,
 )
-from analysis.explore.guard import HEADERS, in_one_line, require_own
-from analysis.explore.pictures import answers, peak, pictures, ratios, which_counts
+from analysis.explore.files import report_of
+from analysis.explore.pictures import (
+    answers,
+    covered,
+    effects,
+    peak,
+    pictures,
+    ratios,
+    which_counts,
+)
+from analysis.explore.requests import HEADERS, Desk, SupersededError, in_one_line, require_own
 from analysis.explore.state import (
     SLIDERS,
     Checked,
@@ -42,19 +49,24 @@ from analysis.explore.state import (
     checked,
     from_query,
 )
-from analysis.explore.structures import STAGES, same, structure_answer
+from analysis.explore.structures import FAULTS, STAGES, same, structure_answer
 
 HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
 PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
-DRAWING = HERE.parent / "drawing"
+DRAWING = HERE.parents[1] / "sidmacib/scene"
 FILES = (
     *((HERE / f"{name}.js", SCRIPT) for name in ("controls", "explore", "structures")),
     (HERE / "explore.css", STYLE),
     *((DRAWING / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
 )
-LONGEST_ID = 40  # letters, of a page
+OPENED = "/opened"
+# Of the page of a file, which has its scripts in it and asks for nothing.
+POLICY_OF_FILES = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
+)
 SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
@@ -77,7 +89,9 @@ class Explorer:
             "/answer": self._answer,
             "/curve": self._curve,
             "/structure": self._structure,
+            "/file": self._file,
         }
+        self._opened = ""  # the page of the file that was opened last
         self._pages: dict[str, Callable[[str], str]] = {
             "/": lambda query: page(from_query(query)),
             "/structures": lambda query: structures_page(choice_in(query)),
@@ -115,6 +129,9 @@ class Explorer:
         if request.path in self._pages:
             query = request.query_string.decode("ascii", "replace")
             return Response(self._pages[request.path](query), mimetype="text/html")
+        if request.path == OPENED and self._opened:
+            own = {"Content-Security-Policy": POLICY_OF_FILES}
+            return Response(self._opened, mimetype="text/html", headers=own)
         if request.path == PLOTLY:
             kept = {"Cache-Control": "max-age=86400"}
             return Response(_plotly(), mimetype=SCRIPT, headers=kept)
@@ -174,6 +191,24 @@ class Explorer:
         link = f"{request.host_url}structures?{chosen.query}"
         return {**asked.echo, **found, "values": dict(chosen.values), "link": link}
 
+    def _file(self, request: Request) -> dict[str, Any]:
+        """The address of the page of a file that was sent, or what is wrong with it, in a line."""
+        asked = _asked(request, _sent)
+        try:
+            with self._desk.turn(*asked.turn):
+                self._opened = report_of(asked.checked.state)
+        except FAULTS as error:
+            return {**asked.echo, "page": None, "error": " ".join(str(error).split())}
+        return {**asked.echo, "page": OPENED, "error": None}
+
+
+def _sent(values: Mapping[str, object]) -> Checked[list[Any]]:
+    """The files of a request."""
+    files = values.get("files")
+    if not isinstance(files, list) or not all(isinstance(each, dict) for each in files):
+        raise BadRequest("files must be a list of objects with name and data.")
+    return Checked(files, ())
+
 
 @dataclass(frozen=True)
 class _Asked(Generic[State]):
@@ -194,24 +229,23 @@ class _Asked(Generic[State]):
         return {"number": self.number, "notes": list(self.checked.notes)}
 
 
+class _Post(BaseModel):
+    """What a page sends: its name, the number of the request, and the value of each slider."""
+
+    page: Annotated[str, Field(min_length=1, max_length=40)]
+    number: Annotated[int, Field(ge=0)]
+    values: dict[str, Any]
+
+
 def _asked(
     request: Request, read: Callable[[Mapping[str, object]], Checked[State]]
 ) -> _Asked[State]:
     """The request's JSON, its values by ``read``; `BadRequest` for any other."""
     try:
-        sent = json.loads(request.get_data(cache=False))
+        sent = _Post.model_validate(json.loads(request.get_data(cache=False)), strict=True)
     except (ValueError, RecursionError):
-        raise BadRequest("The post is not JSON that this page would send.") from None
-    if not isinstance(sent, dict):
-        raise BadRequest("The post must be an object with page, number and values.")
-    page, number, values = (sent.get(name) for name in ("page", "number", "values"))
-    if not isinstance(page, str) or not 0 < len(page) <= LONGEST_ID:
-        raise BadRequest(f"page must be a text of 1 to {LONGEST_ID} letters.")
-    if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-        raise BadRequest("number must be a whole number of at least 0.")
-    if not isinstance(values, dict):
-        raise BadRequest("values must be an object with a value for each slider.")
-    return _Asked(page, number, read(values))
+        raise BadRequest("A post must have page, number and values, as this page sends.") from None
+    return _Asked(sent.page, sent.number, read(sent.values))
 
 
 def page(link: Checked[Settings]) -> str:

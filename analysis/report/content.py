@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from workflow.results.files import read_times
 
 from analysis.drawing.labels import SERIES, label_of
 from analysis.report.answer import answer_content
@@ -22,7 +23,6 @@ from analysis.report.structures import (
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
 from workflow.case import StructureCase
-from workflow.results.files import read_times
 from workflow.schema import Study
 
 
@@ -46,6 +46,8 @@ def content(
     if structures:
         names += dict.fromkeys(case.subject.structure for case in structures)
         verdict += structures_verdict(tables["structures"])
+        if "supports" in tables:
+            verdict += supports_verdict(tables["supports"])
         if "supports" in tables:
             verdict += supports_verdict(tables["supports"])
         shown |= with_room(tables)

@@ -10,7 +10,7 @@ from sidmacib.structure.loads import SupportMotion
 from workflow.case import StructureSubject
 from workflow.results.record import rounded_or_none
 from workflow.results.tables import SUPPORTS, write_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 
 def support_rows(cases: Iterable[tuple[StructureSubject, str]]) -> Iterator[dict[str, Any]]:

@@ -8,6 +8,7 @@ from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.scripts.assembly import Guide
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.springs import compliance
 from sidmacib.model import Ability
 from sidmacib.problem import Problem
@@ -70,6 +71,8 @@ def _structure_refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute pieces or faces of this kind; None if it can."""
     if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
         return "pieces are polyhedra; this engine models only cuboids along the axes"
+    if crushed := crushed_faces(assembly):
+        return f"{crushed[0][1].name} has a compressive_strength; no engine models crushing"
     return assembly.without_stiffness
 
 
