@@ -17,7 +17,12 @@ from analysis.drawing.labels import SERIES, label_of
 from analysis.report.joints import answer_content, joints_content, joints_verdict
 from analysis.report.json_values import headings, json_table, words
 from analysis.report.provenance import as_yaml, provenance
-from analysis.report.structures import structures_content, structures_verdict, with_room
+from analysis.report.structures import (
+    structures_content,
+    structures_verdict,
+    supports_verdict,
+    with_room,
+)
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
 from workflow.case import StructureCase
@@ -121,6 +126,8 @@ def content(
     if structures:
         names += dict.fromkeys(case.subject.structure for case in structures)
         verdict += structures_verdict(tables["structures"])
+        if "supports" in tables:
+            verdict += supports_verdict(tables["supports"])
         shown |= with_room(tables)
         data["structures"] = structures_content(structures, shown["blocks"], shown["interfaces"])
     failed = [
