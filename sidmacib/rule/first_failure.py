@@ -18,7 +18,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, self_weig
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import FirstFailure, Mode, Solver
 from sidmacib.mechanics.static.model import first_failure_of, solver_of
 from sidmacib.rule.pairs import bearing_pairs

@@ -21,7 +21,7 @@ from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.contact_law.softening import Softening
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
     Equilibria,

@@ -18,9 +18,9 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law.kernels import friction_limits, rubbing, with_given_friction
-from sidmacib.mechanics.newton.elimination import Matrix
 from sidmacib.mechanics.newton.equilibrium import (
     QUICK,
+    Matrix,
     allowed_at,
     least_energy,
     newton,
