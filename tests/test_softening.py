@@ -14,7 +14,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.contact_law.softening import Softening
+from sidmacib.mechanics.static.softening import Softening
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import static_peak

@@ -17,7 +17,7 @@ with D = 1 in the first under compression. It fails where its utilisation is 1:
     u = \max\left( \frac{|s_t| - \mu_b s_n}{\tau_k A},\ \frac{-s_n}{\sigma A} \right)
 
 The friction of bonds, :math:`\mu_b`, is 0 in the paper. A brittle bond then has D = 0, a softening
-one less and less, see `sidmacib.mechanics.contact_law.softening`.
+one less and less, see `sidmacib.mechanics.static.softening`.
 
 Dry, or bonded no more (D = 0): no tension, and Coulomb's friction, by return mapping:
 

@@ -20,7 +20,6 @@ from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.contact_law.softening import Softening
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
@@ -31,7 +30,7 @@ from sidmacib.mechanics.solution import (
     Solver,
     StaticSolution,
 )
-from sidmacib.mechanics.static.softening import softened_equilibrium
+from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
 from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
