@@ -16,7 +16,7 @@ from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.rule.first_failure import ELASTIC, JointFailure, first_failure
+from sidmacib.rule.law import ELASTIC, JointFailure, first_failure
 from sidmacib.rule.pairs import pairs_of
 
 SMOOTH = replace(DRY, friction=0.0)

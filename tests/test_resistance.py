@@ -14,7 +14,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static.model import first_failure_of, solver_of
-from sidmacib.rule.first_failure import COARSE, first_failure, weakened
+from sidmacib.rule.law import COARSE, first_failure, weakened
 from sidmacib.rule.resistance import Reliability, at_most_resists, characteristic, design_resistance
 from sidmacib.rule.scatter import scatter
 

@@ -23,8 +23,17 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule.first_failure import JointFailure, first_failure, weakened
-from sidmacib.rule.law import SPANS, LawCapacity, margin_of, safe, spans_of, weak_failures
+from sidmacib.rule.law import (
+    SPANS,
+    JointFailure,
+    LawCapacity,
+    first_failure,
+    margin_of,
+    safe,
+    spans_of,
+    weak_failures,
+    weakened,
+)
 from sidmacib.rule.resistance import Characteristic, Reliability, characteristic, design_resistance
 from sidmacib.rule.scatter import Scatter
 

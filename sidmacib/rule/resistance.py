@@ -18,8 +18,16 @@ from scipy.stats import norm
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
-from sidmacib.rule.first_failure import JointFailure, first_failure, weakened
-from sidmacib.rule.law import LawCapacity, at_most, capacity_of, require_covered, safe
+from sidmacib.rule.law import (
+    JointFailure,
+    LawCapacity,
+    at_most,
+    capacity_of,
+    first_failure,
+    require_covered,
+    safe,
+    weakened,
+)
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, Scatter
 from sidmacib.validation import refused
 

@@ -16,8 +16,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule.first_failure import first_failure
-from sidmacib.rule.law import require_covered
+from sidmacib.rule.law import first_failure, require_covered
 from sidmacib.validation import refused, require_positive
 
 # Largest distance of a quantile from the load at mean strength, in its logarithm: in standard

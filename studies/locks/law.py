@@ -8,8 +8,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading
-from sidmacib.rule.first_failure import first_failure
-from sidmacib.rule.law import RULES
+from sidmacib.rule.law import RULES, first_failure
 from sidmacib.rule.pairs import pairs_of
 from workflow.run.step import Arguments, Files, step
 from workflow.sampling import SampledJoint
