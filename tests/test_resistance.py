@@ -15,8 +15,13 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static.model import first_failure_of, solver_of
 from sidmacib.rule.law import COARSE, first_failure, weakened
-from sidmacib.rule.resistance import Reliability, at_most_resists, characteristic, design_resistance
-from sidmacib.rule.scatter import scatter
+from sidmacib.rule.reliability import (
+    Reliability,
+    at_most_resists,
+    characteristic,
+    design_resistance,
+    scatter,
+)
 
 ECCENTRIC = Direction(0.3)
 JOINT = Joint(5, a=0.08, H=0.06)

@@ -17,7 +17,7 @@ from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.rule.law import law, safe
-from sidmacib.rule.scatter import scatter
+from sidmacib.rule.reliability import scatter
 from studies.attack.search import DIMENSIONS, SPACES, Space, target_at
 
 BY_WEIGHT = Joint(

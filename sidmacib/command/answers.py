@@ -15,7 +15,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:
-    from sidmacib.rule.resistance import Reliability
+    from sidmacib.rule.reliability import Reliability
 
 Row = dict[str, Any]
 
@@ -106,14 +106,14 @@ def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer
 def _characteristic(
     joint: Joint, direction: Direction, push: Push, reliability: "Reliability"
 ) -> Answer:
-    from sidmacib.rule.resistance import characteristic
+    from sidmacib.rule.reliability import characteristic
 
     found = characteristic(joint, direction, reliability.variation, push).capacity
     return Answer(found.load, found.moves or "5 % fractile of the first failure")
 
 
 def _design(joint: Joint, direction: Direction, push: Push, reliability: "Reliability") -> Answer:
-    from sidmacib.rule.resistance import design_resistance
+    from sidmacib.rule.reliability import design_resistance
 
     found = design_resistance(joint, direction, reliability, push)
     note = f"gamma_M {reliability.partial_factor:g} and the safe rule's margin"

@@ -18,7 +18,7 @@ from sidmacib.quantities import Number, shown
 from sidmacib.units import with_unit
 
 if TYPE_CHECKING:
-    from sidmacib.rule.resistance import Reliability
+    from sidmacib.rule.reliability import Reliability
 
 DEFAULT = Joint(5)
 # Further names of flags: -h is a height here, while other programs take it for help.
@@ -152,7 +152,7 @@ def reliability_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def reliability_of(variation: float | None, factor: float | None) -> "Reliability":
     """What these options say of strengths; `click.UsageError` names what is wrong."""
-    from sidmacib.rule.resistance import Reliability
+    from sidmacib.rule.reliability import Reliability
 
     for flag, value in (("--scatter", variation), ("--gamma-m", factor)):
         try:

@@ -34,8 +34,13 @@ from sidmacib.rule.law import (
     weak_failures,
     weakened,
 )
-from sidmacib.rule.resistance import Characteristic, Reliability, characteristic, design_resistance
-from sidmacib.rule.scatter import Scatter
+from sidmacib.rule.reliability import (
+    Characteristic,
+    Reliability,
+    Scatter,
+    characteristic,
+    design_resistance,
+)
 
 TEMPLATE = Path(__file__).with_name("note.html")
 SLIGHT = 0.01  # of the largest utilisation: locks below carry next to nothing
@@ -67,7 +72,7 @@ def write_note(case: Case, path: Path) -> None:
 def joint_note(case: Case, command: str) -> str:
     """The note of ``case``, in HTML; ``command``: what it was made by.
 
-    Errors of `sidmacib.rule.resistance.design_resistance`.
+    Errors of `sidmacib.rule.reliability.design_resistance`.
     """
     joint, direction, push = case.joint, case.direction, case.push
     found = None

@@ -1,5 +1,9 @@
 """The first-failure law of a joint, and the safe rule for design.
 
+The static model finds the load at which a bonded face reaches its strength, with the history of
+friction, on the coarsest nodes that represent all stresses of a rigid lock: Lobatto points, which
+integrate linear stresses exactly. Up to this load it makes no difference how bonds fail.
+
 ``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is that of a
 joint whose strengths are divided by `SAFETY`, less the change on a finer mesh. Both refuse joints
 outside `SPANS`, the tested ranges of the dimensionless groups that the answer depends on. `make

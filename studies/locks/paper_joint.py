@@ -13,7 +13,7 @@ import pandas as pd
 from sidmacib.fields import dataclass_from
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
-from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
+from sidmacib.rule.reliability import FIFTH_PERCENTILE, scatter
 from workflow.results.tables import Table, write_table
 from workflow.run.step import Arguments, Files, step
 
