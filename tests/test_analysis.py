@@ -20,9 +20,8 @@ from analysis.tables.collect import (
 )
 from analysis.tables.fit import best_pair, fit_table
 from analysis.tables.misfit import winner
-from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points.options import ContactOption, active
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.contact_points.reductions import active
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
 from workflow.results.joint_part import JointRecord

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.contact_points.options import READY_OPTIONS, ContactOption
-from sidmacib.contact_points.pair_loads import pair_loads
-from sidmacib.contact_points.programme import Sidmacib, capacities
+from sidmacib.contact_points.programme import Sidmacib, capacities, pair_loads
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare

@@ -72,9 +72,8 @@ def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.contact_points.options import OPTIONS
+    from sidmacib.contact_points.options import OPTIONS, active
     from sidmacib.contact_points.programme import Sidmacib, capacity
-    from sidmacib.contact_points.reductions import active
     from sidmacib.rule.pairs import bearing_pairs
 
     counted = bearing_pairs(joint, push)

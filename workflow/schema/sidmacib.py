@@ -5,8 +5,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
-from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
 from sidmacib.quantities import Number, Part, one_of, shown
 from sidmacib.reading import Section, Some
 from workflow.schema.values import Name
