@@ -15,8 +15,8 @@ from .errors import UnboundedError as UnboundedError
 from .joint.effects import Effect as Effect
 from .joint.effects import Sensitivity as Sensitivity
 from .joint.effects import sensitivity as sensitivity
-from .joint.hold_down import HoldDown as HoldDown
 from .joint.joint import Direction as Direction
+from .joint.joint import HoldDown as HoldDown
 from .joint.joint import Joint as Joint
 from .joint.joint import OwnLock as OwnLock
 from .joint.joint import Side as Side

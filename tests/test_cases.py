@@ -15,8 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.engines.numerics import Numerics
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, Direction, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.models import SOLVED

@@ -16,8 +16,7 @@ from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
 from sidmacib.joint.effects import sensitivity
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.load_path import load_path
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.weights import lock_weights

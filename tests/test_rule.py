@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, UpperBody
+from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.load_path import load_path
 from sidmacib.joint.loading import Loading, Push, lateral_load, posed
 from sidmacib.joint.pieces import assemble

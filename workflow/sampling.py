@@ -13,8 +13,7 @@ from typing import Annotated
 
 import numpy as np
 
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint.joint import HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import with_parameters
 from sidmacib.mechanics.assembly import Elastic, Failure

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sidmacib.command.options import GEOMETRY, LOAD, MATERIAL, OUTPUT, Grouped
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Push
-from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_parameters
-from sidmacib.joint.unit_warnings import unit_warnings
+from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Number, shown
 from sidmacib.units import with_unit

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sidmacib.joint.hold_down import Hold
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint.joint import Hold, Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     CLOSE,
     Assembly,

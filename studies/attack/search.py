@@ -22,8 +22,7 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import Hold, HoldDown
-from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
+from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.load_path import load_path
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout

@@ -5,8 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.rule.law import RULES, first_failure
 from sidmacib.rule.pairs import pairs_of

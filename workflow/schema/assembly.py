@@ -3,8 +3,7 @@
 from enum import StrEnum
 from typing import Any
 
-from sidmacib.joint.hold_down import HeldDown, HoldDown
-from sidmacib.joint.joint import UpperBody
+from sidmacib.joint.joint import HeldDown, HoldDown, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.quantities import FractureEnergy, Modulus

@@ -11,8 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from sidmacib.contact_points.options import OPTIONS
-from sidmacib.joint.hold_down import HeldDown
-from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
+from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER, HeldDown
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.quantities import Count, Length, Number, one_of, shown
 from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
