@@ -12,8 +12,7 @@ from sidmacib.joint.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.quantities import Number, shown
-from sidmacib.units import with_unit
+from sidmacib.quantities import Number, shown, with_unit
 
 if TYPE_CHECKING:
     from sidmacib.rule.reliability import Reliability

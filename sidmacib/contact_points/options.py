@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.validation import is_number, refused
+from sidmacib.quantities import is_number
+from sidmacib.validation import refused
 
 NEAREST = 1e-12  # over a: a point that is nearer to the lock's middle lies in it, but for rounding
 Weights = Sequence[float]

@@ -15,10 +15,9 @@ from enum import StrEnum
 from itertools import islice
 from typing import Annotated, Any
 
-from sidmacib.fields import require_kinds
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure
 from sidmacib.quantities import Count, Density, Length, Number, ReadBy, shown
-from sidmacib.validation import is_number, refused, require_member
+from sidmacib.validation import is_number, refused, require_kinds, require_member
 
 
 class Hold(StrEnum):

@@ -14,7 +14,6 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.fields import require_kinds
 from sidmacib.quantities import (
     FractureEnergy,
     Friction,
@@ -24,7 +23,13 @@ from sidmacib.quantities import (
     Stiffness,
     Strength,
 )
-from sidmacib.validation import refused, require_member, require_not_negative, require_positive
+from sidmacib.validation import (
+    refused,
+    require_kinds,
+    require_member,
+    require_not_negative,
+    require_positive,
+)
 
 GRAVITY = 9.81  # m/s2
 CLOSE = 1e-9  # over a size: points no further apart than this are the same point

@@ -10,10 +10,10 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from sidmacib.fields import dataclass_from
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
 from sidmacib.rule.reliability import FIFTH_PERCENTILE, scatter
+from sidmacib.validation import dataclass_from
 from workflow.results.tables import Table, write_table
 from workflow.run.step import Arguments, Files, step
 

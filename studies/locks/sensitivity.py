@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
-from sidmacib.fields import dataclass_from
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.law import first_failure
+from sidmacib.validation import dataclass_from
 from workflow.results.tables import Table, write_table
 from workflow.run.step import Arguments, Files, step
 from workflow.sampling import Sampling, with_ratios

@@ -14,9 +14,9 @@ from typing import Any, Generic, TypeVar
 
 from sidmacib.checks import checked_share
 from sidmacib.errors import ResultError
-from sidmacib.fields import dataclass_from
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
+from sidmacib.validation import dataclass_from
 from workflow.case import SUBJECTS, Case, CaseId
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise

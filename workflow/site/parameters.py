@@ -14,10 +14,10 @@ from typing import Any
 from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
-from sidmacib.fields import UNIONS, number_of
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.assembly import Elastic
+from sidmacib.validation import UNIONS, number_of
 
 # Names, what may stand in brackets behind them, and words up to the end of the sentence or clause.
 SAID = re.compile(r"((?:``\w+``(?:, | and )?)+)(?: \([^)]*\))?: (.+?)[.;](?=\s|$)")

@@ -8,8 +8,8 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from sidmacib.fields import dataclass_from
 from sidmacib.joint.joint import Joint
+from sidmacib.validation import dataclass_from
 from workflow.sampling import SampledJoint, Sampling, sampled_joints
 
 
