@@ -1,4 +1,7 @@
-"""Checks of input: each error is one line that names the key, its value and what is allowed."""
+"""Checks of input: each error is one line that names the key, its value and what is allowed.
+
+The fields of dataclasses are checked against their annotations, and read from JSON.
+"""
 
 import math
 import types

@@ -16,8 +16,8 @@ from itertools import islice
 from typing import Annotated, Any
 
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure
-from sidmacib.quantities import Count, Density, Length, Number, ReadBy, shown
-from sidmacib.validation import is_number, refused, require_kinds, require_member
+from sidmacib.quantities import Count, Density, Length, Number, ReadBy, is_number, shown
+from sidmacib.validation import refused, require_kinds, require_member
 
 
 class Hold(StrEnum):
