@@ -22,7 +22,7 @@ from sidmacib.answers.structure import (
 )
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
 from sidmacib.models import structure_limit, structure_static
-from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Failures
+from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
 from workflow.results.record import Record, record_without_result

@@ -19,8 +19,7 @@ from sidmacib.engines.results import read_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.outcome import Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration

@@ -14,8 +14,7 @@ from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.errors import CapacityError, ResultError
 from sidmacib.models import structure_limit, structure_static
-from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Outcome, Problem
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
 from workflow.results.record import record_of, record_without_result

@@ -13,7 +13,7 @@ from analysis.report.solids import points_of, shape_of
 from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
 from sidmacib.models import REFERENCE_MODEL
-from sidmacib.outcome import FIRST_FAILURE
+from sidmacib.problem import FIRST_FAILURE
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import REFERENCE, StructureCase
 

@@ -12,8 +12,7 @@ from sidmacib.engines.scripts.assembly import Guide
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Failure, Loads
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.outcome import Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem
 
 HOUR = 3600.0  # s
 USUAL = Numerics()
