@@ -18,11 +18,10 @@ from sidmacib.engines.liggghts.deck import LiggghtsDeck, flat_radii, patches, pi
 from sidmacib.engines.liggghts.loads import handle_forces
 from sidmacib.engines.liggghts.model import Placement, utilisation
 from sidmacib.engines.liggghts.process import dumped_rows, printed_values
-from sidmacib.engines.render import assembly_data, engine_material
+from sidmacib.engines.render import assembly_data, engine_material, vertices_above
 from sidmacib.engines.scripts import assembly as scripts
 from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved, nodes_off_sides
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
-from sidmacib.engines.sides import vertices_above
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble

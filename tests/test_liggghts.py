@@ -10,8 +10,8 @@ from conftest import a_case
 from test_execute import becomes_true
 
 from sidmacib.engines import ENGINES
+from sidmacib.engines.engine import Numerics
 from sidmacib.engines.execute import EngineError, execute
-from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load

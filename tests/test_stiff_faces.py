@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from conftest import DISTINCT, run_guided
 
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.engines.results import read_outcome
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import FIXED_PLATE, Direction, HoldDown, Joint

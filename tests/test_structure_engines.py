@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
 from sidmacib.engines import ENGINES
+from sidmacib.engines.engine import Numerics
 from sidmacib.engines.execute import EngineNoAnswerError
-from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector

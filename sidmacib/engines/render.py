@@ -5,19 +5,22 @@ import json
 import math
 import re
 import shutil
+from collections.abc import Sequence
 from dataclasses import asdict, fields
 from functools import cache
 from importlib.util import resolve_name
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import jinja2
 import jinja2.meta
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, KDTree
 
-from sidmacib.engines.engine import Engine
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Engine, Numerics
 from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
-from sidmacib.engines.sides import sides, vertices_above
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -46,6 +49,7 @@ ENVIRONMENT = jinja2.Environment(
     lstrip_blocks=True,
     keep_trailing_newline=True,
 )
+AT = 1e-3  # over the assembly's length: interfaces may lie as far from the blocks' faces
 
 
 def write_script(
@@ -254,3 +258,50 @@ def engine_material(material: FaceMaterial) -> dict[str, float]:
 def _rounded(value: float) -> float:
     """``value`` without the last digits, which depend on the machine's linear algebra."""
     return float(f"{value:.9g}")
+
+
+def vertices_above(assembly: Assembly) -> NDArray[np.bool_]:
+    """Whether the piece above a node brings the vertex, of each node, (N,).
+
+    A node at a corner of one of its two pieces only is a vertex of that one on the flat side of the
+    other. At any other node, at corners of both, where two edges cross or inside a face, the flat
+    side is that of a fixed piece, or of the one above where neither is fixed.
+    """
+    faces, nodes = assembly.faces, assembly.nodes
+    below, above = np.array([(face.below, face.above) for face in faces]).T[:, nodes.face]
+    at_corner = np.zeros((2, len(nodes.face)), bool)
+    for index, piece in enumerate(assembly.pieces):
+        corners = KDTree(_corners(piece))
+        for side, pieces in enumerate((below, above)):
+            mine = pieces == index
+            at_corner[side, mine] = corners.query(nodes.position[mine])[0] <= AT * assembly.length
+    fixed_below = np.array([piece.fixed for piece in assembly.pieces])[below]
+    return np.where(at_corner[0] != at_corner[1], at_corner[1], fixed_below)
+
+
+def sides(assembly: Assembly, face: Face) -> dict[str, list[list[float]]]:
+    """Edges of the sides of both pieces in the plane of ``face``, as `GivenFace` has them.
+
+    Of their convex hulls; those of the face itself where a piece has no side in its plane.
+    """
+    ends = {"edges_below": face.below, "edges_above": face.above}
+    near = AT * assembly.length
+    return {name: _edges(_corners(assembly.pieces[k]), face, near) for name, k in ends.items()}
+
+
+def _edges(corners: Floats, face: Face, near: float) -> list[list[float]]:
+    """Edges of the convex hull of those ``corners``, (K, 3), that are ``near`` (m) the plane."""
+    found = corners[np.abs((corners - face.middle) @ face.axes[0]) <= near]
+    if len(found) < 3 or np.linalg.matrix_rank(found[1:] - found[0], tol=near) < 2:
+        found = face.corners
+    equations = ConvexHull((found - face.middle) @ face.axes[1:].T).equations
+    across = equations[:, :2] @ face.axes[1:]
+    return np.column_stack([across, across @ face.middle - equations[:, 2]]).tolist()
+
+
+def _corners(piece: Piece) -> Floats:
+    """Corners of a piece in m, (K, 3)."""
+    if isinstance(piece, Cuboid):
+        return np.array(list(product(*zip(piece.low, piece.high, strict=True))))
+    solids: Sequence[Any] = getattr(piece, "solids", (piece,))  # of a compound; a block is one
+    return np.concatenate([solid.places for solid in solids])

@@ -13,7 +13,7 @@ import pandas as pd
 import yaml
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.search import engine_outcome
+from sidmacib.engines.run import engine_outcome
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.rigid import RigidSolver

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any
 
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.quantities import Number
 from sidmacib.reading import Section, changes_to, section_of
 
