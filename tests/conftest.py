@@ -26,8 +26,7 @@ from structures import WITH_STRUCTURES
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
-from sidmacib.engines.execute import EngineError
-from sidmacib.engines.run import engine_outcome
+from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading

@@ -8,7 +8,7 @@ import yaml
 from conftest import ROOT, a_case
 
 from sidmacib.engines.engine import FOREIGN, engine_environment
-from sidmacib.engines.execute import EngineKilledError
+from sidmacib.engines.run import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading

@@ -13,9 +13,9 @@ from structures import dry, moved
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
-from sidmacib.engines.execute import EngineNoAnswerError
 from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
+from sidmacib.engines.run import EngineNoAnswerError
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak

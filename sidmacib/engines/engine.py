@@ -83,10 +83,6 @@ class Engine(Model):
         """``given``, for one process unless the engine can use several."""
         return given if "ranks" in self.reads else replace(given, ranks=1)
 
-    def wants_guide(self, numerics: Numerics) -> bool:
-        """Whether its search begins from loads of the static model."""
-        return numerics.guided and "guided" in self.reads
-
     def missing(self) -> str | None:
         """The package to install, in one line; None if the program is installed."""
         if shutil.which(self.probe) and shutil.which(self.command[0]):

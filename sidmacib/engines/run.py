@@ -3,15 +3,25 @@
 Its script is rendered and executed; its files are read, checked and kept.
 """
 
+import contextlib
 import importlib
+import json
+import math
+import os
+import select
+import shutil
+import signal
+import subprocess
 import tempfile
+import time
 from pathlib import Path
 
-from sidmacib.engines.engine import Engine, Numerics
-from sidmacib.engines.execute import EngineNoAnswerError, execute
-from sidmacib.engines.render import write_script
+from sidmacib.engines.engine import Engine, Numerics, engine_environment
+from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.results import check_bracket, check_first_failure, read_outcome
 from sidmacib.engines.scripts.assembly import Guide
+from sidmacib.engines.scripts.children import ENDS_WITH_PARENT
+from sidmacib.engines.scripts.records import NO_ANSWER, OUTPUTS, RESULT
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind, Loads
 from sidmacib.mechanics.springs import compliance
@@ -21,6 +31,8 @@ from sidmacib.problem import Outcome, Problem
 
 HOUR = 3600.0  # s
 USUAL = Numerics()
+TAIL_LINES = 20
+KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was killed
 
 
 def engine_outcome(
@@ -34,7 +46,7 @@ def engine_outcome(
     """The path of ``problem`` to its peak in ``engine``, after at most ``time_limit`` s.
 
     ``folder``: keeps the script with all that it needs, the engine's log and its results; None
-    keeps nothing. Raises `sidmacib.engines.execute.EngineError` if the engine is not installed,
+    keeps nothing. Raises `sidmacib.engines.run.EngineError` if the engine is not installed,
     cannot compute such an assembly or finds no peak, and `sidmacib.errors.ResultError` if what it
     found cannot be right.
     """
@@ -53,22 +65,19 @@ def engine_outcome(
 
 def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:
     """The start of the search of ``engine``; None if ``numerics`` or the engine want no guide."""
-    if not engine.wants_guide(numerics) or refusal(engine, problem.assembly):
-        return None
-    return guide_of(*problem)
+    wanted = numerics.guided and "guided" in engine.reads
+    return guide_of(*problem) if wanted and not refusal(engine, problem.assembly) else None
 
 
 def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
-    """Failure loads of the static model, roughly; None without one."""
+    """Failure loads of the static model, with the digits that matter; None without one."""
     if assembly.failure is not Failure.BRITTLE:
         return None
     try:
-        first, peak = _failures(assembly, loads)
+        first, peak = (float(f"{load:.4g}") for load in _failures(assembly, loads))
     except CapacityError:
         return None
-    if peak <= 0.0:
-        return None
-    return Guide(_roughly(first), _roughly(peak))
+    return Guide(first, peak) if peak > 0.0 else None
 
 
 def _failures(assembly: Assembly, loads: Loads) -> tuple[float, float]:
@@ -80,11 +89,6 @@ def _failures(assembly: Assembly, loads: Loads) -> tuple[float, float]:
     tilt = importlib.import_module("sidmacib.structure.analysis.tilt")
     found = tilt.static_tilt(assembly, tilt.Tilt(loads.axis))
     return tilt.load_of_tilt(found.first_failure, loads), tilt.load_of_tilt(found.angle, loads)
-
-
-def _roughly(value: float) -> float:
-    """``value`` with the digits that matter to a search."""
-    return float(f"{value:.4g}")
 
 
 def run_engine(
@@ -111,7 +115,9 @@ def run_engine(
 
 def refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute ``assembly``; None if it can."""
-    if reason := _structure_refusal(engine, assembly):
+    if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
+        return "pieces are polyhedra; this engine models only cuboids along the axes"
+    if reason := assembly.without_stiffness:
         return reason
     if assembly.failure is Failure.SOFTENING:
         return (
@@ -140,13 +146,6 @@ def _soft_contacts(problem: Problem, numerics: Numerics) -> str | None:
     )
 
 
-def _structure_refusal(engine: Engine, assembly: Assembly) -> str | None:
-    """Why the engine cannot compute pieces or faces of this kind; None if it can."""
-    if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
-        return "pieces are polyhedra; this engine models only cuboids along the axes"
-    return assembly.without_stiffness
-
-
 def _bond_refusal(engine: Engine, face: Face) -> str | None:
     """Why the engine cannot compute an inner face; None if it can."""
     law = face.material
@@ -159,3 +158,120 @@ def _bond_refusal(engine: Engine, face: Face) -> str | None:
             f"stiffness of {law.shear_stiffness:g} Pa/m; inner faces must have one stiffness"
         )
     return None
+
+
+class EngineError(RuntimeError):
+    """The engine did not end with a result; the message says why, with the tail of its log."""
+
+    @property
+    def in_short(self) -> str:
+        """The reason on one line: how the engine ended, and the last line of its log."""
+        first, *log = str(self).splitlines()
+        ending = first.partition("; end of ")[0]
+        return f"{ending}: {log[-1].strip(' |')}" if log else ending
+
+
+class EngineNoAnswerError(EngineError):
+    """The engine said why there is no result, and would say so again."""
+
+
+class EngineKilledError(EngineError):
+    """The engine was killed, probably because memory ran out."""
+
+
+def execute(engine: Engine, folder: Path, time_limit: float) -> None:
+    """Run the script in ``folder`` for at most ``time_limit`` s; results are put beside it.
+
+    The engine works in a scratch folder; its log stays as ``engine.log``. However this process
+    ends, the engine ends with it. Raises `EngineError` if the program is missing, fails, is killed,
+    runs out of time or ends without a peak.
+    """
+    for name in OUTPUTS:
+        (folder / name).unlink(missing_ok=True)
+    for left in folder.glob("running-*"):  # by a run that was killed, and may just be ending
+        shutil.rmtree(left, ignore_errors=True)
+    if missing := engine.missing():
+        raise EngineError(missing)
+    log = folder / "engine.log"
+    scratch_folder = tempfile.TemporaryDirectory(
+        dir=folder, prefix="running-", ignore_cleanup_errors=True
+    )
+    with scratch_folder as name:
+        scratch = Path(name)
+        for file in (engine.script, DATA_FILE):
+            shutil.copy(folder / file, scratch)
+        shutil.copytree(folder / MODULES.name, scratch / MODULES.name)
+        _run([*engine.command, engine.script], scratch, log, time_limit)
+        _check(scratch, log)
+        for file in OUTPUTS:
+            (scratch / file).replace(folder / file)
+
+
+def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None:
+    """Run ``command`` in a separate process group, which ends with this process."""
+    with log.open("w") as stream:
+        process = subprocess.Popen(
+            [*ENDS_WITH_PARENT, *command],
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=stream,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env=engine_environment(OMP_NUM_THREADS="1"),
+        )
+        try:
+            if not _ends_within(process.pid, time_limit):
+                raise EngineError(_with_tail(f"out of time after {time_limit:g} s", log))
+            status = process.wait()
+        finally:
+            _end(process)
+    if status in (-signal.SIGKILL, KILLED_WITHIN):
+        raise EngineKilledError(_with_tail("killed by signal 9", log))
+    if status == NO_ANSWER:
+        raise EngineNoAnswerError(_with_tail("no answer", log))
+    if status < 0:
+        raise EngineError(_with_tail(f"killed by signal {-status}", log))
+    if status > 0:
+        raise EngineError(_with_tail(f"ended with exit code {status}", log))
+
+
+def _ends_within(pid: int, time_limit: float) -> bool:
+    """Wait for a process, without the polling of `Popen.wait`, for at most ``time_limit`` s."""
+    handle = os.pidfd_open(pid)
+    try:
+        return bool(select.select([handle], [], [], time_limit)[0])
+    finally:
+        os.close(handle)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End the process group, first by SIGTERM, after which mpirun ends its ranks itself."""
+    for number, patience in ((signal.SIGTERM, 5.0), (signal.SIGKILL, 1.0)):
+        deadline = time.monotonic() + patience
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, number)
+            while time.monotonic() < deadline:
+                process.poll()
+                os.killpg(process.pid, 0)  # until nobody is left
+                time.sleep(0.02)
+
+
+def _check(folder: Path, log: Path) -> None:
+    for name in OUTPUTS:
+        if not (folder / name).is_file():
+            raise EngineError(_with_tail(f"ended without {name}", log))
+    try:
+        result = json.loads((folder / RESULT).read_text())
+        peak, failed = result["peak_load_N"], result["failed_load_N"]
+        sound = 0.0 < peak <= failed and math.isfinite(failed)
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise EngineError(_with_tail("ended with an unreadable result.json", log)) from None
+    if not sound:
+        raise EngineError(
+            _with_tail(f"ended without a peak: it carries {peak} N and fails at {failed} N", log)
+        )
+
+
+def _with_tail(reason: str, log: Path) -> str:
+    tail = log.read_text(errors="replace").splitlines()[-TAIL_LINES:]
+    return "\n".join([f"{reason}; end of {log}:", *(f"  | {line}" for line in tail)])

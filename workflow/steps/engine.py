@@ -5,8 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
-from sidmacib.engines.run import engine_outcome, refusal
+from sidmacib.engines.run import (
+    EngineError,
+    EngineKilledError,
+    EngineNoAnswerError,
+    engine_outcome,
+    refusal,
+)
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import OUTPUTS
 from sidmacib.errors import CapacityError, ResultError
