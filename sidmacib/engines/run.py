@@ -127,10 +127,9 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
     if Ability.DUCTILE not in engine.abilities and assembly.failure is not Failure.BRITTLE:
         return f"inner faces are {assembly.failure}; this engine models only {Failure.BRITTLE} ones"
     deforms = [piece.elastic is not None for piece in assembly.pieces if not piece.fixed]
-    if engine.elastic and not all(deforms):
-        return "pieces are rigid; this engine models only elastic pieces"
-    if any(deforms) and not engine.elastic:
-        return "pieces are elastic; this engine models only rigid pieces"
+    if any(each is not engine.elastic for each in deforms):
+        kinds = ("rigid", "elastic") if engine.elastic else ("elastic", "rigid")
+        return f"pieces are {kinds[0]}; this engine models only {kinds[1]} pieces"
     reasons = (_bond_refusal(engine, face) for face in assembly.faces if face.kind is Kind.INNER)
     return next(filter(None, reasons), None)
 
