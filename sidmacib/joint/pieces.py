@@ -103,16 +103,12 @@ def upper_block(joint: Joint) -> tuple[str, ...]:
 
 def lock_faces(joint: Joint) -> dict[str, int]:
     """Numbers of the locks by the name of each one's inner (horizontal) face."""
-    return {
-        _inner(lock_name(lock), body_above(joint, lock))
-        if joint.is_upper(lock)
-        else _inner(LOWER, lock_name(lock)): lock
-        for lock in joint.numbers
-    }
-
-
-def _inner(below: str, above: str) -> str:
-    return f"{Kind.INNER}-{below}-{above}"
+    found = {}
+    for lock in joint.numbers:
+        name, upper = lock_name(lock), joint.is_upper(lock)
+        below, above = (name, body_above(joint, lock)) if upper else (LOWER, name)
+        found[f"{Kind.INNER}-{below}-{above}"] = lock
+    return found
 
 
 def _pieces(joint: Joint) -> Iterator[Cuboid]:

@@ -63,8 +63,9 @@ class Scatter:
         if load <= 0.0:
             return 1.0
         loaded = self.utilisation[self.utilisation > 0.0]
-        needed = loaded * load / self.load
-        return float(np.exp(norm.logsf(self._standard(needed)).sum()))
+        needed, deviation = loaded * load / self.load, self._deviation
+        standard = (np.log(needed) + deviation**2 / 2.0) / deviation  # normal variable
+        return float(np.exp(norm.logsf(standard).sum()))
 
     def quantile(self, share: float = FIFTH_PERCENTILE) -> float:
         """The load (N) that a ``share`` of joints does not reach.
@@ -91,11 +92,6 @@ class Scatter:
     def _deviation(self) -> float:
         """Standard deviation of the logarithm of a strength."""
         return math.sqrt(math.log1p(self.variation**2))
-
-    def _standard(self, strength: Floats) -> Floats:
-        """A strength, over its mean, as a standard normal variable."""
-        deviation = self._deviation
-        return np.asarray((np.log(strength) + deviation**2 / 2.0) / deviation)
 
 
 def scatter(
@@ -167,7 +163,9 @@ def characteristic(
         return first_failure(weakened(joint, margin), Loading(direction, push=push))
 
     def beyond(margin: float) -> float:
-        return _survival(at(margin), margin, variation) - (1.0 - FIFTH_PERCENTILE)
+        state = at(margin)
+        scattered = Scatter(state.load, state.utilisation / margin, variation)
+        return scattered.survival(state.load) - (1.0 - FIFTH_PERCENTILE)
 
     def held(margin: float) -> float:
         """The same; more where so weak a joint fails before it is loaded."""
@@ -178,7 +176,9 @@ def characteristic(
 
     margin = 1.0
     if beyond(margin) < 0.0:
-        most = _largest_margin(joint.locks, variation)
+        # Suffices even where all locks are loaded to their strength.
+        share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / joint.locks)
+        most = 1.01 / Scatter.strength(variation, float(norm.ppf(share)))
         margin = float(brentq(held, 1.0, most, xtol=ROUNDING, rtol=ROUNDING))
         if abs(held(margin)) > NEAR:
             raise CapacityError(
@@ -214,14 +214,3 @@ def at_most_resists(
 ) -> float:
     """An upper bound of the design resistance (N), in less time; errors of `sidmacib.law`."""
     return at_most(joint, direction, push) / reliability.partial_factor
-
-
-def _survival(state: JointFailure, margin: float, variation: float) -> float:
-    """Part of joints without a failed lock at ``state``, that of mean strengths over ``margin``."""
-    return Scatter(state.load, state.utilisation / margin, variation).survival(state.load)
-
-
-def _largest_margin(locks: int, variation: float) -> float:
-    """The margin that suffices even where all ``locks`` are loaded to their strength."""
-    share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / locks)
-    return 1.01 / Scatter.strength(variation, float(norm.ppf(share)))

@@ -71,23 +71,17 @@ class OpenGaps:
     def opened(self, gaps: Flags) -> Floats:
         """R, P and -H in one symmetric matrix, (M, M), for these ``gaps``, (M,)."""
         which = np.flatnonzero(gaps != self.gaps)
-        if not self.accurate or self._exchange_work(len(which)) > self._factorise_work(gaps):
+        size, count, opened = len(gaps), len(which), int(np.count_nonzero(gaps))
+        rest = size - opened
+        # Approximate numbers of multiplications of either way.
+        by_exchange = size * count * (size + count)
+        anew = opened * (rest**2 // 2 + rest * opened + opened**2 // 2)
+        if not self.accurate or by_exchange > anew:
             self._factorise(gaps)
         elif len(which):
             self._exchange(which, gaps)
         self.gaps = gaps.copy()
         return self.matrix
-
-    def _exchange_work(self, count: int) -> int:
-        """Approximate number of multiplications in `_exchange` of so many components."""
-        size = len(self.floor)
-        return size * count * (size + count)
-
-    def _factorise_work(self, gaps: Flags) -> int:
-        """The same of `_factorise`."""
-        count = int(np.count_nonzero(gaps))
-        rest = len(gaps) - count
-        return count * (rest**2 // 2 + rest * count + count**2 // 2)
 
     def extended(self, influence: Floats, floor: Floats) -> "OpenGaps":
         """The same gaps among more components, which come last: all are closed."""

@@ -340,10 +340,6 @@ def _raised(
     raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
 
 
-def _near(load: float, known: float) -> bool:
-    return abs(load - known) <= HISTORY * known
-
-
 def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:
     """Unknowns at ``load``, on a line through the two nearest equilibria."""
     low = path[-1]
@@ -375,5 +371,6 @@ def _redistributed(
 
 def _collapses(other: StaticSolution, load: float, whole: Floats) -> bool:
     """Whether the ``other`` had no equilibrium near ``load`` (N) with the same bonds left."""
-    bonds = other.collapsed
-    return bonds is not None and _near(load, other.peak.load) and np.array_equal(whole, bonds)
+    bonds, peak = other.collapsed, other.peak.load
+    near = abs(load - peak) <= HISTORY * peak
+    return bonds is not None and near and np.array_equal(whole, bonds)
