@@ -65,7 +65,11 @@ def ordering(springs: Springs) -> Ordering:
 @lru_cache(maxsize=32)  # joints with as many locks differ in sizes only
 def _least_work(pieces: int, pairs: tuple[tuple[int, ...], ...]) -> Ordering:
     """`ordering` of that many free ``pieces``; ``pairs``: those that touch, -1 for fixed ones."""
-    graph = _graph(pieces, pairs)
+    graph: Graph = {piece: set() for piece in range(pieces)}  # and the free ones that they touch
+    for below, above in pairs:
+        if below >= 0 and above >= 0:
+            graph[below].add(above)
+            graph[above].add(below)
     by_contacts = sorted(graph, key=lambda piece: -len(graph[piece]))
     best = _bordered(graph, [])
     for count in range(1, len(by_contacts)):
@@ -74,16 +78,6 @@ def _least_work(pieces: int, pairs: tuple[tuple[int, ...], ...]) -> Ordering:
             break
         best = other
     return best
-
-
-def _graph(pieces: int, pairs: tuple[tuple[int, ...], ...]) -> Graph:
-    """The free pieces and the free pieces that they touch."""
-    graph: Graph = {piece: set() for piece in range(pieces)}
-    for below, above in pairs:
-        if below >= 0 and above >= 0:
-            graph[below].add(above)
-            graph[above].add(below)
-    return graph
 
 
 def _bordered(graph: Graph, border: list[int]) -> Ordering:
@@ -136,7 +130,9 @@ class RigidSolver:
         order, rows = ordering(springs), free_rows(assembly)
         self.contact_law = springs.contact_law
         self.here = new_point(order.inner + order.outer, springs.start)
-        ratio = _stiffness_ratio(assembly)
+        laws = {face.material for face in assembly.faces}
+        both = [k for law in laws for k in (law.normal_stiffness, law.shear_stiffness)]
+        ratio = max(both) / min(both)
         if ratio > MOST_STIFF * (1.0 + 1e-9):  # rounding of their quotient
             raise CapacityError(
                 f"the stiffest face is {ratio:.3g} times as stiff as the softest; with more than "
@@ -145,7 +141,11 @@ class RigidSolver:
         self.contacts, self.soft = (
             _contacts(each, order, ratio > STIFF) for each in (springs, soft)
         )
-        self.matrix = _matrix(order)
+        self.matrix = Matrix(
+            np.empty((order.inner, 3 * order.band + 1)),
+            np.empty((order.inner, order.outer)),
+            np.empty((order.outer, order.inner + order.outer)),
+        )
         for each in (self.contacts, self.soft):
             whole_faces(each, self.here)
         size = np.diff(springs.unknowns)
@@ -246,13 +246,6 @@ def _stiffest(springs: Springs) -> float:
     return float(per_face.max())
 
 
-def _stiffness_ratio(assembly: Assembly) -> float:
-    """The largest stiffness of a face (Pa/m) over the smallest."""
-    laws = {face.material for face in assembly.faces}
-    both = [k for law in laws for k in (law.normal_stiffness, law.shear_stiffness)]
-    return max(both) / min(both)
-
-
 def _contacts(springs: Springs, order: Ordering, stiff: bool) -> ContactFaces:
     return ContactFaces(
         springs.contact_law.rows(),
@@ -266,13 +259,4 @@ def _contacts(springs: Springs, order: Ordering, stiff: bool) -> ContactFaces:
         order.inner,
         order.outer,
         order.band,
-    )
-
-
-def _matrix(order: Ordering) -> Matrix:
-    inner, outer = order.inner, order.outer
-    return Matrix(
-        np.empty((inner, 3 * order.band + 1)),
-        np.empty((inner, outer)),
-        np.empty((outer, inner + outer)),
     )

@@ -20,7 +20,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads, self_weight
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads, self_weight
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames
@@ -70,7 +70,7 @@ class JointFailure:
     ``load``: along the direction of loading, N. ``mode``: whether a bond fails there, or the joint
     slides or rocks before one does. ``force_x``, ``force_y`` in N and ``torque`` in
     N m, across each root on the piece above it, shape (n,). ``utilisation``: largest stress over
-    strength at each root, shape (n,). ``cut_utilisation``: the same at the cuts between columns.
+    strength at each root, shape (n,), all below 1 where a cut between columns fails first.
     """
 
     load: float
@@ -79,12 +79,6 @@ class JointFailure:
     force_y: Floats
     torque: Floats
     utilisation: Floats
-    cut_utilisation: float
-
-    @property
-    def cut_fails(self) -> bool:
-        """Whether a cut between columns fails first."""
-        return self.cut_utilisation > self.utilisation.max()
 
 
 @lru_cache(maxsize=256)  # law, safe rule and explorer need the same results
@@ -155,20 +149,8 @@ def _state(
     x, y, turned = (np.add.reduceat(each, start) for each in (force[:, 0], force[:, 1], torque))
     locks = {roots[face.name]: i for i, face in enumerate(assembly.faces) if face.name in roots}
     order = [locks[lock] for lock in joint.numbers]
-    cuts = [
-        of_faces[i]
-        for i, face in enumerate(assembly.faces)
-        if face.kind is Kind.INNER and face.name not in roots
-    ]
-    return JointFailure(
-        float(point.load),
-        failure.mode,
-        x[order],
-        y[order],
-        turned[order],
-        of_faces[order],
-        max(cuts, default=0.0),
-    )
+    forces = x[order], y[order], turned[order]
+    return JointFailure(float(point.load), failure.mode, *forces, of_faces[order])
 
 
 def _require_row(joint: Joint) -> None:
