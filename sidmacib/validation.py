@@ -125,7 +125,7 @@ def _check(kind: Any, or_none: str = "") -> Check | None:
     if typing.get_origin(kind) in UNIONS:
         kinds = [each for each in typing.get_args(kind) if each is not types.NoneType]
         inner = _check(kinds[0], " or None") if len(kinds) == 1 else None
-        return inner and _optional(inner)
+        return inner and (lambda name, value: None if value is None else inner(name, value))
     if number := number_of(kind):
         return number.require
     if isinstance(kind, type) and issubclass(kind, StrEnum):
@@ -134,10 +134,6 @@ def _check(kind: Any, or_none: str = "") -> Check | None:
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         return _instance(kind, f"{article} {kind.__name__}{or_none}")
     return None
-
-
-def _optional(check: Check) -> Check:
-    return lambda name, value: None if value is None else check(name, value)
 
 
 def _instance(kind: type, allowed: str) -> Check:

@@ -20,7 +20,7 @@ from sidmacib.answers.structure import bond_fails, static_answer
 from sidmacib.answers.structure_limit import limit_state
 from sidmacib.design.blocking import Order, conflict, order_of
 from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of
-from sidmacib.design.file import Task, designed, with_demand
+from sidmacib.design.file import Task, designed
 from sidmacib.design.layouts import Choice, Layout
 from sidmacib.design.model import DesignProblem
 from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
@@ -287,7 +287,8 @@ def _once(
     note: Callable[[str], None],
 ) -> Design:
     """A design for a ``demand`` on each case; ``last``: of the round before."""
-    structure = with_demand(task, demand).structure
+    cases = [replace(case, load=case.load * demand[case.name]) for case in task.structure.cases]
+    structure = replace(task.structure, cases=tuple(cases))
     try:
         search = RowSearch(structure, task.asked.factor)
     except (InfeasibleError, SolverError) as error:

@@ -70,7 +70,11 @@ class HoldDown:
                     raise ValueError(f"{kind}: {error}") from None
         names = ", ".join(kind for kind in Hold if kind not in AMOUNTS)
         amounts = " or ".join(f"{{{kind}: a number ({x.unit})}}" for kind, x in AMOUNTS.items())
-        raise ValueError(f"{_shown(value)} is not allowed; it must be {names}, {amounts}")
+        mapping = isinstance(value, Mapping) and value
+        keys = (
+            f"a mapping of {', '.join(map(shown, islice(value, 5)))}" if mapping else shown(value)
+        )
+        raise ValueError(f"{keys} is not allowed; it must be {names}, {amounts}")
 
     @property
     def spelled(self) -> str | dict[str, float]:
@@ -127,13 +131,6 @@ HeldDown = Annotated[
         lambda hold_down: hold_down.spelled,
     ),
 ]
-
-
-def _shown(value: Any) -> str:
-    """``value`` in a message; of a mapping its first keys."""
-    if isinstance(value, Mapping) and value:
-        return f"a mapping of {', '.join(map(shown, islice(value, 5)))}"
-    return shown(value)
 
 
 class UpperBody(StrEnum):

@@ -34,9 +34,7 @@ def assemble(
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO
-    if not mesh > 0 or (
-        mesh > most if one_cell else int(cells_along(np.array([most]), mesh)[0]) < 2
-    ):
+    if not mesh > 0 or (mesh > most if one_cell else cells_along(np.array([most]), mesh)[0] < 2):
         raise ValueError(
             f"mesh: must be more than 0 and {'at most' if one_cell else 'less than'} {most} m, the "
             f"shorter side of a lock's horizontal face (got {mesh} m)"

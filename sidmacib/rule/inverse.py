@@ -190,8 +190,13 @@ def fewest_locks(joint: Joint, demand: Demand, push: Push = Push.PLUS_Y) -> Sear
     least, most = SPANS["locks"]
     if joint.elastic is not None:
         most = SPANS["locks of elastic blocks"][1]
+    return _first(variants(joint, {"locks": range(int(least), int(most) + 1)}), demand, push)
+
+
+def _first(joints: Sequence[Joint], demand: Demand, push: Push) -> Search:
+    """The first of ``joints`` that meets the ``demand``."""
     tried = []
-    for each in variants(joint, {"locks": range(int(least), int(most) + 1)}):
+    for each in joints:
         tried.append(candidate(each, demand, push, exact=False))
         if tried[-1].meets:
             return Search(tried[-1], tuple(tried))
@@ -212,12 +217,8 @@ def cheapest(
     cheaper one is none. At equal prices fewer locks and smaller sizes come first. Errors of
     `variants`.
     """
-    tried = []
-    for each in sorted(variants(joint, values), key=lambda one: _order(one, prices)):
-        tried.append(candidate(each, demand, push, exact=False))
-        if tried[-1].meets:
-            return Search(tried[-1], tuple(tried))
-    return Search(None, tuple(tried))
+    joints = sorted(variants(joint, values), key=lambda one: _order(one, prices))
+    return _first(joints, demand, push)
 
 
 def all_candidates(

@@ -194,7 +194,8 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
     ValueError outside `SPANS`; errors of `sidmacib.rule.law.first_failure`.
     """
     require_covered(joint)
-    return capacity_of(joint, direction, *_failure(joint, direction, push))
+    found = first_failure(joint, Loading(direction, push=push))
+    return capacity_of(joint, direction, found.load, found.mode)
 
 
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
@@ -240,20 +241,13 @@ def at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> flo
 def _weak_failure(joint: Joint, direction: Direction, push: Push, cells: int) -> tuple[float, Mode]:
     """The load (N) with the margin of the safe rule, and how the joint fails there."""
     margin = margin_of(joint)
-    load, mode = _failure(weakened(joint, margin), direction, push, cells)
-    return (load if mode is Mode.BONDS else load / margin), mode
+    found = first_failure(weakened(joint, margin), Loading(direction, push=push), cells)
+    return found.load if found.mode is Mode.BONDS else found.load / margin, found.mode
 
 
 def margin_of(joint: Joint) -> float:
     """What the safe rule divides the strengths of ``joint`` by."""
     return SAFETY if joint.elastic is None else SAFETY_ELASTIC
-
-
-def _failure(
-    joint: Joint, direction: Direction, push: Push, cells: int | None = None
-) -> tuple[float, Mode]:
-    failure = first_failure(joint, Loading(direction, push=push), cells)
-    return failure.load, failure.mode
 
 
 def _meshes(joint: Joint) -> tuple[int, ...]:
