@@ -70,11 +70,10 @@ class HoldDown:
                     raise ValueError(f"{kind}: {error}") from None
         names = ", ".join(kind for kind in Hold if kind not in AMOUNTS)
         amounts = " or ".join(f"{{{kind}: a number ({x.unit})}}" for kind, x in AMOUNTS.items())
-        mapping = isinstance(value, Mapping) and value
-        keys = (
-            f"a mapping of {', '.join(map(shown, islice(value, 5)))}" if mapping else shown(value)
-        )
-        raise ValueError(f"{keys} is not allowed; it must be {names}, {amounts}")
+        given = shown(value)
+        if isinstance(value, Mapping) and value:
+            given = f"a mapping of {', '.join(map(shown, islice(value, 5)))}"
+        raise ValueError(f"{given} is not allowed; it must be {names}, {amounts}")
 
     @property
     def spelled(self) -> str | dict[str, float]:

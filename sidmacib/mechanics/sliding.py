@@ -117,7 +117,6 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         raise SolverError(
             f"{WITHOUT_DILATION}: {SLIDING_ROUNDS} rounds find no forces that balance the weight"
         )
-    last = sorted(found[-LAST:], key=lambda each: each.load)
     return SlidingLimit(last[0], associated, number, last[-1].load)
 
 
