@@ -74,21 +74,18 @@ def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
     if assembly.failure is not Failure.BRITTLE:
         return None
     try:
-        first, peak = (float(f"{load:.4g}") for load in _failures(assembly, loads))
+        if loads.axis is None:
+            found = static_peak(assembly, loads)
+            first, peak = found.first_failure_load, found.peak.load
+        else:
+            # Imported here: it needs scipy.sparse, which joints do not.
+            tilt = importlib.import_module("sidmacib.structure.analysis.tilt")
+            turned = tilt.static_tilt(assembly, tilt.Tilt(loads.axis))
+            angles = turned.first_failure, turned.angle
+            first, peak = (tilt.load_of_tilt(angle, loads) for angle in angles)
     except CapacityError:
         return None
-    return Guide(first, peak) if peak > 0.0 else None
-
-
-def _failures(assembly: Assembly, loads: Loads) -> tuple[float, float]:
-    """Loads (N) of the first failure and the peak in the static model, which may raise."""
-    if loads.axis is None:
-        found = static_peak(assembly, loads)
-        return found.first_failure_load, found.peak.load
-    # Imported here: it needs scipy.sparse, which joints do not.
-    tilt = importlib.import_module("sidmacib.structure.analysis.tilt")
-    found = tilt.static_tilt(assembly, tilt.Tilt(loads.axis))
-    return tilt.load_of_tilt(found.first_failure, loads), tilt.load_of_tilt(found.angle, loads)
+    return Guide(float(f"{first:.4g}"), float(f"{peak:.4g}")) if peak > 0.0 else None
 
 
 def run_engine(

@@ -49,11 +49,6 @@ class SlidingLimit:
     highest: float | None = None
 
     @property
-    def overestimate(self) -> float:
-        """By how much associated friction is higher, over the load without dilation."""
-        return self.associated.load / self.state.load - 1.0
-
-    @property
     def note(self) -> str:
         """The assumption of the load, in words."""
         words = "sliding does not open the joints"
