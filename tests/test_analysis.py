@@ -26,14 +26,7 @@ from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
 from workflow.results.joint_part import JointRecord
 from workflow.results.record import record_without_result
-from workflow.results.tables import (
-    CAPACITY,
-    CASES,
-    WEIGHTS,
-    TableError,
-    read_table,
-    write_table,
-)
+from workflow.results.tables import CAPACITY, CASES, WEIGHTS, TableError, read_table, write_table
 from workflow.schema import Study
 
 

@@ -15,11 +15,7 @@ from described import FILES, study
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
-from sidmacib.answers.structure import (
-    SETTLED,
-    static_answer,
-    without_other_meshes,
-)
+from sidmacib.answers.structure import SETTLED, static_answer, without_other_meshes
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures

@@ -14,11 +14,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from workflow.case import JointCase
 from workflow.configuration import ConfigError
-from workflow.planning.resources import (
-    engine_resources,
-    nodes_of,
-    solved_resources,
-)
+from workflow.planning.resources import engine_resources, nodes_of, solved_resources
 from workflow.results.files import RECORD
 from workflow.run.command import profile_named
 from workflow.run.step import KilledError

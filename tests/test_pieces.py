@@ -6,13 +6,7 @@ from hypothesis import strategies as st
 
 from sidmacib.joint.joint import HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
-from sidmacib.mechanics.assembly import (
-    Cuboid,
-    FaceMaterial,
-    Kind,
-    NodeLayout,
-    Rectangle,
-)
+from sidmacib.mechanics.assembly import Cuboid, FaceMaterial, Kind, NodeLayout, Rectangle
 
 joints = st.builds(
     Joint,

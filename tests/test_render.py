@@ -14,12 +14,7 @@ from structures import dry
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine, Numerics
-from sidmacib.engines.render import (
-    DATA_FILE,
-    MODULES,
-    script,
-    write_script,
-)
+from sidmacib.engines.render import DATA_FILE, MODULES, script, write_script
 from sidmacib.engines.run import guide_for, guide_of, run_engine
 from sidmacib.engines.scripts.assembly import read_assembly
 from sidmacib.joint.joint import Direction, Joint

@@ -17,14 +17,7 @@ from sidmacib.models import LAWS, MODELS, detailed
 from sidmacib.rule.law import RULES, LawCapacity
 from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
-from workflow.results.tables import (
-    CAPACITY,
-    CASES,
-    ENVELOPES,
-    WEIGHTS,
-    read_table,
-    write_table,
-)
+from workflow.results.tables import CAPACITY, CASES, ENVELOPES, WEIGHTS, read_table, write_table
 from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 

@@ -11,15 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from sidmacib.mechanics.assembly import (
-    CLOSE,
-    FaceMaterial,
-    Floats,
-    Kind,
-    NodeLayout,
-    Nodes,
-    Vector,
-)
+from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Kind, NodeLayout, Nodes, Vector
 from sidmacib.mechanics.contact_nodes import cells_along, side_rule
 
 # Quadrature rules of a triangle: barycentric places, and weights. The last is exact to degree 3.
