@@ -33,12 +33,10 @@ from sidmacib.validation import (
 
 GRAVITY = 9.81  # m/s2
 CLOSE = 1e-9  # over a size: points no further apart than this are the same point
-
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 _Shape = TypeVar("_Shape", bound="Cuboid | Rectangle")
-
 _AXES = np.eye(3)[(np.arange(3)[:, None] + np.arange(3)) % 3]  # normal and tangents along each axis
 
 
@@ -306,34 +304,33 @@ class Assembly:
         require_member(NodeLayout, layout=self.layout)
         if not self.mesh > 0.0:
             raise refused("mesh", self.mesh, "more than 0")
-        if self.failure is not Failure.BRITTLE:
-            for face in self.faces:
-                if rough := face.material.bond_friction:
-                    raise refused("bond_friction", rough, f"0, as failure is {self.failure}")
+        rough = next(filter(None, (face.material.bond_friction for face in self.faces)), 0.0)
+        if rough and self.failure is not Failure.BRITTLE:
+            raise refused("bond_friction", rough, f"0, as failure is {self.failure}")
 
     @property
     def cuboids(self) -> tuple[Cuboid, ...]:
         """The pieces, where a model needs cuboids; ValueError if one has another shape."""
-        return tuple(_shaped(piece, Cuboid, "cuboid") for piece in self.pieces)
+        return tuple(_shaped(piece, Cuboid) for piece in self.pieces)
 
     @property
     def rectangles(self) -> tuple[Rectangle, ...]:
         """The faces, where a model needs rectangles; ValueError if one has another outline."""
-        return tuple(_shaped(face, Rectangle, "rectangle") for face in self.faces)
+        return tuple(_shaped(face, Rectangle) for face in self.faces)
 
     @property
     def without_stiffness(self) -> str | None:
         """A refusal that names a face without stiffness; None if all faces have one."""
-        for face in self.faces:
-            if face.kind is Kind.LOCKED:
-                return f"{face.name} has condensed locks, which have no stiffness; cut them out"
-        return None
+        name = next((face.name for face in self.faces if face.kind is Kind.LOCKED), None)
+        return name and f"{name} has condensed locks, which have no stiffness; cut them out"
 
 
-def _shaped(part: Piece | Face, shape: type[_Shape], words: str) -> _Shape:
-    if not isinstance(part, shape):
-        raise ValueError(f"{part.name}: must be a {words} along the axes in this model")
-    return part
+def _shaped(part: Piece | Face, shape: type[_Shape]) -> _Shape:
+    if isinstance(part, shape):
+        return part
+    raise ValueError(
+        f"{part.name}: must be a {shape.__name__.lower()} along the axes in this model"
+    )
 
 
 @dataclass(frozen=True)
