@@ -325,12 +325,10 @@ class Assembly:
         return name and f"{name} has condensed locks, which have no stiffness; cut them out"
 
 
-def _shaped(part: Piece | Face, shape: type[_Shape]) -> _Shape:
-    if isinstance(part, shape):
-        return part
-    raise ValueError(
-        f"{part.name}: must be a {shape.__name__.lower()} along the axes in this model"
-    )
+def _shaped(one: Piece | Face, shape: type[_Shape]) -> _Shape:
+    if isinstance(one, shape):
+        return one
+    raise ValueError(f"{one.name}: must be a {shape.__name__.lower()} along the axes in this model")
 
 
 @dataclass(frozen=True)
@@ -396,6 +394,4 @@ def rotated(vectors: Floats, axis: Floats, angle: float) -> Floats:
 
 def self_weight(pieces: Sequence[Piece]) -> Floats:
     """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
-    weight = np.zeros((len(pieces), 6))
-    weight[:, 2] = [-piece.weight for piece in pieces]
-    return weight
+    return np.array([[0.0, 0.0, -piece.weight, 0.0, 0.0, 0.0] for piece in pieces])
