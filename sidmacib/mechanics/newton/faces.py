@@ -1,7 +1,7 @@
 """Faces with contact nodes: the forces on the pieces, and their derivatives.
 
 The unknowns (m) are those of `sidmacib.mechanics.springs`, in the order that
-`sidmacib.mechanics.rigid` finds; forces are in N. A piece has three displacements and
+`sidmacib.mechanics.rigid.ordering` finds; forces are in N. A piece has three displacements and
 three rotations, from ``ContactFaces.begin`` on.
 """
 
