@@ -15,7 +15,7 @@ from workflow.configuration import (
     with_installed_engines,
 )
 from sidmacib.models import detailed
-from workflow.planning.batches import case_jobs
+from workflow.jobs import case_jobs
 
 # Snakemake reads the configuration too and merges it with defaults; this reader checks every key and
 # does not mix two studies.
@@ -46,16 +46,12 @@ include: "workflow/rules/cases.smk"
 STUDY_FILES = [*OF_CASES]
 if STUDY.samples:
 
-    include: "analysis/rules/tables.smk"
-    include: "analysis/rules/pages.smk"
-    include: "workflow/rules/on_request.smk"
+    include: "analysis/rules/joints.smk"
 
     STUDY_FILES += [
         *rules.collect.output,
         *rules.capacity.output,
-        *rules.fit.output,
-        *rules.variants.output,
-        *rules.validation.output,
+        *rules.comparisons.output,
         *rules.figures.output,
         *rules.summary.output,
         *rules.complete.output,
@@ -74,13 +70,6 @@ if STUDY.samples or STUDY.structures:
     include: "analysis/rules/report.smk"
 
     STUDY_FILES += rules.report.output
-
-
-if STUDY.measured is not None:
-
-    include: "analysis/rules/measured.smk"
-
-    STUDY_FILES += rules.measured.output
 
 
 if STUDY.samplings:

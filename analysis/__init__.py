@@ -1,1 +1,6 @@
-"""From the cases' records to weights, fits, tables, figures and the summary."""
+"""The analysis: from the cases' records to what people read.
+
+In the order of the data: ``tables``, then ``figures``, ``summary`` and ``report``; files by ``vtk``
+for ParaView. ``calibration`` runs studies of its own, ``explore`` serves pages with sliders.
+``published`` has the paper's numbers; ``drawing`` is shared by figures, report and explorer.
+"""

@@ -4,23 +4,21 @@ from pathlib import Path
 
 from sidmacib.engines import ENGINES
 from sidmacib.models import CLOSED_FORM, REFERENCE_MODEL
-from workflow.configuration import CallError, ConfigError
-from workflow.planning.cases import find_case, find_place
-from workflow.results.files import RECORD
-from workflow.run.command import (
+from workflow.cases import find_case, find_place
+from workflow.command import (
     options_of,
     run_command,
     snakemake,
     study_with_joints,
+    use_writable_caches,
 )
-from workflow.run.results_folder import use_writable_caches
+from workflow.configuration import CallError, ConfigError
+from workflow.results.record import RECORD, read_records
 from workflow.schema import Study
 
 
 def run_case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if necessary and print its result; returns an error message, or None."""
-    from workflow.results.record import read_records
-
     study = study_with_joints(config, results)
     use_writable_caches(Path(study.results))  # before importing modules that compile code
     from analysis.summary.one_case import describe_record

@@ -1,15 +1,21 @@
-"""The paper's numbers, and the samples of a study that they can be compared with."""
+"""The paper's numbers, the samples of a study that they can be compared with, and both in words.
+
+`analysis.tables.comparisons` makes the table of validation, which is read here for people.
+"""
 
 import math
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import yaml
 
 from sidmacib.joint.joint import Side
 from workflow.schema import Study
-from workflow.schema.assembly import AssemblySection
+from workflow.schema.joint import AssemblySection
 
 
 @dataclass(frozen=True)
@@ -55,3 +61,74 @@ class Published:
 def read_published() -> Published:
     """The published numbers."""
     return Published(yaml.safe_load(Path(__file__).with_name("published.yaml").read_text()))
+
+
+@dataclass(frozen=True)
+class PublishedLine:
+    """A published number and the rows of the validation table that belong to it, by sample."""
+
+    quantity: str
+    mesh: str
+    published: float
+    rows: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class PublishedSamples:
+    """Published numbers for ``locks`` locks, and the samples with as many: a description each."""
+
+    locks: int
+    samples: Mapping[str, str]
+    lines: tuple[PublishedLine, ...]
+
+
+def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[PublishedSamples]:
+    """The validation table by number of locks; ``leading``: the model that is shown, by sample.
+
+    SiDMACIB's numbers are those without friction along the locks; with it they are the same.
+    """
+    shown = (table["model"] == "sidmacib") | (table["model"] == table["sample"].map(leading))
+    table = table[shown & ~table["quantity"].str.contains("_friction_N")]
+    for locks, rows in table.groupby("locks"):
+        by_line: dict[tuple[str, str], dict[str, Any]] = {}
+        for row in rows.itertuples():
+            mesh = "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}"
+            by_line.setdefault((str(row.quantity), mesh), {})[str(row.sample)] = row
+        samples = {
+            str(row.sample): f"friction {row.friction:.4g}, {row.setting}; "
+            f"{leading.get(str(row.sample), 'no model')}"
+            for row in rows.drop_duplicates("sample").itertuples()
+        }
+        lines = tuple(
+            PublishedLine(quantity, mesh, next(iter(line.values())).published, line)
+            for (quantity, mesh), line in by_line.items()
+        )
+        yield PublishedSamples(int(str(locks)), samples, lines)
+
+
+QUANTITIES = (  # of the validation table: pattern and label
+    (r"sidmacib_pure_shear_option(\w+?)_(frictionless|friction)_N", r"SiDMACIB, Option \1, V (N)"),
+    (r"dem_pure_shear_N", r"peak V of the pieces (N)"),
+    (r"weight_lock(\d+)", r"weight of lock \1"),
+    (r"weight_lock(\d+)_swapped", r"weight of lock \1, first two swapped"),
+    (r"weight_sum", r"sum of weights"),
+    (r"weight_sum_rounded_down", r"sum of weights, rounded down"),
+    (r"best_option", r"option that fits best"),
+)
+
+
+def quantity_label(quantity: str) -> str:
+    """A quantity of the validation table in words; an unknown one keeps its name."""
+    for pattern, label in QUANTITIES:
+        if match := re.fullmatch(pattern, quantity):
+            return match.expand(label)
+    return quantity
+
+
+def difference_text(row: Any) -> str:
+    """The difference of a row's computed value from the published one, in words."""
+    if pd.isna(row.absolute_difference):
+        return "same" if row.computed == row.published else "other"
+    if pd.isna(row.relative_difference):
+        return f"{row.absolute_difference:+.3f}"
+    return f"{100 * row.relative_difference:+.2f} %"

@@ -25,7 +25,7 @@ from sidmacib.structure.blocks import Block, Compound
 from workflow.case import JointCase, StructureCase
 from workflow.results.record import read_records
 from workflow.results.structure_part import InterfaceRow, StructurePart
-from workflow.run.step import Arguments, FileLists, step
+from workflow.step import Arguments, FileLists, step
 
 CORNERS = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]

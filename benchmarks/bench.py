@@ -34,8 +34,8 @@ from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule.law import RULES, first_failure
-from workflow.results.files import read_times
-from workflow.run.closure import ROOT
+from workflow.closure import ROOT
+from workflow.results.record import read_times
 from workflow.sampling import Sampling, sampled_joints
 from workflow.steps.sampling import solved_rows
 

@@ -26,7 +26,7 @@ from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
-from workflow.run.closure import ROOT
+from workflow.closure import ROOT
 
 BRICK = (0.4, 0.2, 0.2)  # m
 DENSITY = 2000.0  # kg/m3

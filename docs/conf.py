@@ -6,7 +6,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from workflow.site import reference  # noqa: E402
+from workflow.site import write_pages  # noqa: E402
 
 project = "multilock"
 author = "the multilock developers"
@@ -16,8 +16,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_click",
     "sphinx_gallery.gen_gallery",
-    "workflow.site.html",
-    "workflow.site.parameters",
+    "workflow.site",
 ]
 html_theme = "furo"
 html_title = "multilock"
@@ -49,4 +48,4 @@ sphinx_gallery_conf = {
     "min_reported_time": 3600,
 }
 
-reference.write_pages(Path(__file__).parent)  # of keys and columns
+write_pages(Path(__file__).parent)  # of keys and columns

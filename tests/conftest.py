@@ -46,11 +46,10 @@ from sidmacib.mechanics.newton.equilibrium import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
 from workflow.case import Case, JointCase, JointSubject
+from workflow.command import snakemake, snakemake_command
 from workflow.configuration import read_study
-from workflow.results.files import RECORD
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import read_records
-from workflow.run.command import snakemake, snakemake_command
+from workflow.results.record import RECORD, read_records
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
 

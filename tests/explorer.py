@@ -9,7 +9,7 @@ from http.client import HTTPConnection
 from typing import Any
 
 from analysis.explore.app import LOOPBACK, serve
-from analysis.explore.desk import Desk
+from analysis.explore.requests import Desk
 
 JSON = {"Content-Type": "application/json"}
 

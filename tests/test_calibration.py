@@ -20,8 +20,8 @@ from analysis.calibration.candidates import (
 from analysis.published import read_published
 from analysis.tables.collect import cases_table, weights_table
 from sidmacib.models.static import solve
+from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study
-from workflow.planning.cases import cases_of
 from workflow.schema import Study
 from workflow.steps.solve import solved
 

@@ -20,8 +20,8 @@ from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.models import SOLVED
 from workflow.case import Case, JointCase, JointSubject
+from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
-from workflow.planning.cases import case_count, cases_of, find_case
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
@@ -306,7 +306,7 @@ def test_more_cases_than_can_be_handled_are_refused_before_they_are_built() -> N
     assert time.process_time() - start < 2.0
 
 
-@pytest.mark.parametrize("module", ["workflow.planning.cases", "workflow.case", "sidmacib.models"])
+@pytest.mark.parametrize("module", ["workflow.cases", "workflow.case", "sidmacib.models"])
 def test_planning_imports_no_solver_and_no_table(module: str) -> None:
     text = f"import sys, {module}; print(*sys.modules)"
     found = subprocess.run(

@@ -17,11 +17,11 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.models import MODELS
+from workflow import closure as module
 from workflow.case import JointSubject
+from workflow.closure import closure, code_digest, source
 from workflow.configuration import read_study
-from workflow.planning.batches import case_jobs
-from workflow.run import closure as module
-from workflow.run.closure import closure, code_digest, source
+from workflow.jobs import case_jobs
 
 TRACE = """
 import importlib, json, pathlib, sys

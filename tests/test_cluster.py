@@ -13,11 +13,11 @@ from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from workflow.case import JointCase
+from workflow.command import profile_named
 from workflow.configuration import ConfigError
-from workflow.planning.resources import engine_resources, nodes_of, solved_resources
-from workflow.results.files import RECORD
-from workflow.run.command import profile_named
-from workflow.run.step import KilledError
+from workflow.jobs import engine_resources, nodes_of, solved_resources
+from workflow.results.record import RECORD
+from workflow.step import KilledError
 from workflow.steps import engine as engine_step
 
 

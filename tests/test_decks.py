@@ -16,8 +16,8 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models.static import solve
 from sidmacib.problem import Outcome
 from workflow.case import JointCase
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.results.record import record_of
 from workflow.threedec import INCREMENT, deck, decks, fingerprint, read_returned
 

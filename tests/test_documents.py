@@ -16,13 +16,13 @@ from promises import require_kept
 
 from sidmacib.command.main import main
 from sidmacib.yaml_text import parsed
+from workflow import site
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study
-from workflow.schema.assembly import AssemblySection
-from workflow.site import reference
+from workflow.schema.joint import AssemblySection
 
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "gallery" / "made"
@@ -158,7 +158,7 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
 
 
 def test_the_page_of_keys_has_every_key() -> None:
-    text = reference.page()
+    text = site.page()
     for key in Study.model_fields:
         assert f"| `{key}` |" in text
     for path in ("dem.numerics", "samples.<name>.inner", "variants.<name>.numerics", "measured"):
@@ -184,7 +184,7 @@ def test_columns_that_may_follow_have_a_meaning_too(solved_study: tuple[Study, P
 
 
 def test_the_page_of_columns_has_every_table_and_no_broken_row() -> None:
-    text = reference.columns_page()
+    text = site.columns_page()
     assert [f"{table.name}.csv" for table in TABLES] == re.findall("^## (.*)", text, re.M)
     rows = [line for line in text.splitlines() if line.startswith("| ")]
     assert {line.count("|") for line in rows} == {3}

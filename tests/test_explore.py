@@ -7,9 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.explore.covered import covered
-from analysis.explore.effects import effects
-from analysis.explore.pictures import Counted, answers, pictures, which_counts
+from analysis.explore.pictures import Counted, answers, covered, effects, pictures, which_counts
 from analysis.explore.state import (
     SLIDERS,
     Settings,

@@ -11,19 +11,19 @@ from made_up_results import record_with, tables_of
 
 from analysis.figures.catalogue import figures_of
 from analysis.figures.draw import DRAWN_BY, KINDS, run
-from analysis.figures.stress_maps import _cells
+from analysis.figures.joint import _cells
 from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
-from analysis.tables.variants import variants_table
+from analysis.tables.fit import variants_table
 from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, detailed
 from workflow.case import JointCase
+from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
-from workflow.planning.cases import cases_of
 from workflow.results.record import record_without_result
 from workflow.results.tables import write_table
 
@@ -116,7 +116,10 @@ def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> lis
     inputs = {kind.name: folder / f"{kind.name}.csv" for kind in KINDS}
     for kind in KINDS:
         write_table(kind, tables[kind.name], inputs[kind.name])
-    arguments = {"study": study.figures_json(), "detailed_models": detailed(study.model_names)}
+    arguments = {
+        "study": study.part("variants", "figures", "measured"),
+        "detailed_models": detailed(study.model_names),
+    }
     names = figures_of(study, arguments["detailed_models"])
     saved = [folder / f"{name}.png" for name in names if not name.startswith(("joint", "options"))]
     run(arguments, inputs, {"figures": saved})

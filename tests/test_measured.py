@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 from conftest import outputs_of
 
-from analysis.tables.measured import measured_table
+from analysis.tables.comparisons import measured_table
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study
-from workflow.schema.measured import MeasuredLoad
+from workflow.schema.study import MeasuredLoad
 
 SOURCE = {"source": "a made-up campaign, for tests", "digitised": "not at all"}
 

@@ -17,7 +17,7 @@ from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
 from workflow.case import Case, JointSubject
-from workflow.planning.cases import second_mesh
+from workflow.cases import second_mesh
 from workflow.results.joint_part import JointRecord
 from workflow.results.record import record_without_result
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
+from workflow import command as workflow_command
 from workflow.configuration import CallError
-from workflow.run import results_folder
 
 FULL = Path("/dev/full")
 
@@ -63,7 +63,7 @@ def test_without_locks_a_study_goes_on_and_says_so(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(fcntl, "flock", refusing(number))
-    with results_folder.lock(tmp_path / "results") as stream:
+    with workflow_command.lock(tmp_path / "results") as stream:
         assert not stream.closed
     said = capsys.readouterr().err
     assert said.startswith(f"{tmp_path / 'results'}: its file system has no locks")
@@ -74,11 +74,11 @@ def test_a_lock_that_fails_otherwise_is_an_error_of_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(fcntl, "flock", refusing(errno.EIO))
-    with pytest.raises(CallError, match="cannot be locked: input/output error"):
-        results_folder.lock(tmp_path / "results")
+    with pytest.raises(CallError, match="cannot be written to: input/output error"):
+        workflow_command.lock(tmp_path / "results")
 
 
 def test_a_lock_that_finds_no_room_is_an_error_of_one_line(tmp_path: Path) -> None:
-    (tmp_path / results_folder.LOCK).symlink_to(FULL)
+    (tmp_path / workflow_command.LOCK).symlink_to(FULL)
     with pytest.raises(CallError, match="cannot be written to: "):
-        results_folder.lock(tmp_path)
+        workflow_command.lock(tmp_path)

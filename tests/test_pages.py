@@ -8,7 +8,7 @@ import pytest
 
 from studies.attack.search import MORE, MORE_LOCKS
 from studies.elastic import page as elastic
-from studies.locks.bonds import BONDS
+from studies.locks.tables import BONDS
 from studies.markdown import markdown, percent
 from studies.pages import BLOCK, BLOCKS, PageError, blocks_of, filled
 from studies.published import page as published

@@ -8,12 +8,11 @@ import pytest
 from conftest import ROOT
 
 from workflow.__main__ import forget_failures
+from workflow.cases import cases_of
+from workflow.command import lock
 from workflow.configuration import CallError, read_study, read_study_file
-from workflow.planning.batches import BATCH, BATCH_TIME, batches, case_jobs
-from workflow.planning.cases import cases_of
-from workflow.planning.resources import solved_resources
-from workflow.results.files import BROKE_DOWN
-from workflow.run.results_folder import lock
+from workflow.jobs import BATCH, BATCH_TIME, batches, case_jobs, solved_resources
+from workflow.results.record import BROKE_DOWN
 
 SMALL = {
     "samples": {"n3": {"locks": 3}},

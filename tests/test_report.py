@@ -17,9 +17,9 @@ from analysis.report.page import page
 from analysis.report.paths import paths_of, shown_cases
 from analysis.report.provenance import as_yaml, provenance, versions_of
 from sidmacib.yaml_text import parsed
+from workflow.cases import cases_of
+from workflow.command import REPORT
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
-from workflow.run.results_folder import REPORT
 from workflow.schema import Study
 
 pytestmark = pytest.mark.study

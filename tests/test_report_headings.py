@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from conftest import ROOT
 
-from analysis.report.headings import headings, words
+from analysis.report.json_values import headings, words
 from analysis.report.provenance import sample_words
 from workflow.configuration import read_study
 from workflow.results.columns import TABLES

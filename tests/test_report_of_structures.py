@@ -13,15 +13,14 @@ from offline import WATCH, leaving_in_browser, leaving_in_html
 from structures import ONLY_STRUCTURES, example
 from test_report import MOST_BYTES
 
-from analysis.report.content import content
-from analysis.report.page import page
+from analysis.report.page import content, page
 from analysis.report.solids import shape_of
 from analysis.report.structures import structures_verdict
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import StructureCase
+from workflow.command import REPORT
 from workflow.configuration import read_study
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
-from workflow.run.results_folder import REPORT
 from workflow.structures import structure_cases
 
 pytestmark = pytest.mark.study

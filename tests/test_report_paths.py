@@ -6,8 +6,8 @@ import pytest
 from analysis.report.paths import path_of, shown_cases
 from sidmacib.mechanics.static.model import static_peak
 from workflow.case import JointCase
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 
 STUDY = {
     "samples": {"n3": {"locks": 3}},

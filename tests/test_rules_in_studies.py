@@ -12,8 +12,8 @@ from analysis.summary.one_case import describe_rule
 from analysis.tables.capacity import law_rows
 from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import law, safe
+from workflow.cases import cases_of, find_place
 from workflow.configuration import ConfigError, read_study
-from workflow.planning.cases import cases_of, find_place
 from workflow.schema import Study
 
 

@@ -7,14 +7,13 @@ import pytest
 from made_up_results import record_with, tables_of
 
 from analysis.figures.catalogue import figures_of
-from analysis.published import read_published
+from analysis.published import comparisons, difference_text, read_published
 from analysis.summary.summary import leading_models, summary
 from analysis.tables.capacity import sidmacib_rows
 from analysis.tables.collect import weights_table
-from analysis.tables.validation import comparisons, difference_text
 from sidmacib.models import detailed
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 from workflow.schema.joint import PartSection

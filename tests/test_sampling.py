@@ -11,7 +11,6 @@ import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
 
-from analysis.tables.samplings import samplings_table
 from sidmacib.contact_points.options import OPTIONS, active
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.joint import Direction, Joint
@@ -19,14 +18,14 @@ from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml
 from studies.locks import law
-from studies.locks.errors import law_table, unit_loads
 from studies.locks.freedoms import freedoms_table
-from studies.locks.points import points_of
-from studies.locks.sensitivity import VARIED, sensitivity_table
+from studies.locks.tables import law_table, points_of, unit_loads
+from studies.locks.variation import VARIED, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.sampling import SampledJoint, sampled_joints
-from workflow.schema.sampling import SamplingSection
+from workflow.schema.joint import SamplingSection
 from workflow.steps import sampling as solve_step
+from workflow.steps.sampling import samplings_table
 
 RATIOS = [0.0, 0.3, math.inf]
 

@@ -10,7 +10,7 @@ from referencing import Registry
 from referencing.jsonschema import DRAFT202012
 
 from sidmacib.yaml_text import read_yaml
-from workflow.site.reference import page, schemas, structure_page
+from workflow.site import page, schemas, structure_page
 
 SCHEMAS = {name: json.loads(text) for name, text in schemas().items()}
 BESIDE: Any = Registry().with_resources(

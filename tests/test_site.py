@@ -14,8 +14,7 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from promises import require_kept
 
 import sidmacib
-from workflow.site.html import accessible
-from workflow.site.parameters import described
+from workflow.site import accessible, described
 
 GALLERY = ROOT / "docs" / "gallery"
 SCRIPTS = sorted(GALLERY.glob("*.py"))

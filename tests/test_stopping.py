@@ -13,8 +13,7 @@ from campaigns.faults import descendants, processes_in
 from conftest import INSTALLED, ROOT
 from test_execute import becomes_true
 
-from workflow.run.command import STOPPED
-from workflow.run.results_folder import lock
+from workflow.command import STOPPED, lock
 
 LONG = {  # a case of an engine that takes minutes
     "samples": {"n5": {"locks": 5}},

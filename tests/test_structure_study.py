@@ -16,7 +16,7 @@ from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
 from workflow.case import StructureCase
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.planning.batches import case_jobs
+from workflow.jobs import case_jobs
 from workflow.results.record import read_records
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.steps import engine, solve

@@ -17,11 +17,10 @@ from sidmacib.joint.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section
+from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.consistency import node_estimate, notes
-from workflow.planning.cases import cases_of
 from workflow.schema import Study
-from workflow.schema.dem import NumericsChanges, NumericsSection
 from workflow.schema.joint import (
     DryChanges,
     DryFaceSection,
@@ -31,6 +30,7 @@ from workflow.schema.joint import (
     LockSection,
     SampleSection,
 )
+from workflow.schema.models import NumericsChanges, NumericsSection
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
@@ -176,8 +176,8 @@ def test_what_an_engine_takes_no_notice_of_is_noted_where_a_study_changes_it() -
 )
 def test_the_parts_that_steps_get_are_valid_studies_too(config: dict[str, Any]) -> None:
     study = read_study(config)
-    for part in ("tables", "pieces", "figures", "calibration"):
-        again = Study.model_validate_json(getattr(study, f"{part}_json")())
+    for sections in ((), ("variants",), ("variants", "figures", "measured")):
+        again = Study.model_validate_json(study.part(*sections))
         assert (again.assembly, again.samples) == (study.assembly, study.samples)
         assert again.eccentricities == study.eccentricities
     assert read_study(json.loads(study.model_dump_json())) == study
@@ -187,12 +187,9 @@ def test_a_part_does_not_change_with_what_it_leaves_out() -> None:
     study = read_study(ONE)
     other = read_study(merged(figures={"eccentricity": 1}, calibration={"confirmed": 1}))
     slow = read_study(merged(dem={"numerics": {"ramp_periods": 80}, "time_limit": 5}))
-    assert other.tables_json() == slow.tables_json() == study.tables_json()
-    assert other.pieces_json() == slow.pieces_json() == study.pieces_json()
-    assert other.figures_json() != study.figures_json() == slow.figures_json()
-    assert read_study(merged(figures={"eccentricity": 1})).calibration_json() == (
-        study.calibration_json()
-    )
+    assert other.part() == slow.part() == study.part()
+    assert other.part("variants") == slow.part("variants") == study.part("variants")
+    assert other.part("figures") != study.part("figures") == slow.part("figures")
 
 
 def test_a_campaign_that_lacks_a_section_it_requires_is_refused() -> None:

@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
 
-from analysis.summary.rules import rule_errors
+from analysis.summary.answers import rule_errors
 from analysis.summary.summary import leading_models, summary
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import safe
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 COUNTED = {"weak": 0.75, "strong": 1.25}  # locks that count in results made up for each sample

@@ -11,14 +11,14 @@ from made_up_results import capacity_of, record_with
 
 from analysis.figures.catalogue import FigureSpec
 from analysis.figures.material import FigureData
-from analysis.figures.variants import fracture_energy, stiffness
+from analysis.figures.models import fracture_energy, stiffness
 from analysis.tables.collect import weight_sums, weights_table
-from analysis.tables.variants import variants_table
+from analysis.tables.fit import variants_table
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.models import detailed
 from workflow.case import JointCase
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 ONLY_STATIC = {"models": ["static"], "dem": {"engines": []}}

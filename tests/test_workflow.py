@@ -19,8 +19,8 @@ from conftest import ROOT
 from test_decks import returned
 
 from workflow.__main__ import forget_failures
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.threedec import decks
 
 pytestmark = pytest.mark.study

@@ -1,26 +1,34 @@
 """The commands behind `make study`, `make report`, `make decks` and `make cases`."""
 
+import csv
 import json
 import os
+import subprocess
 import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from sidmacib.command.output import FORMATS, text_of
+from sidmacib.errors import ResultError
 from sidmacib.models import REFERENCE_MODEL
-from workflow.configuration import ConfigError, read_study_file
-from workflow.consistency import notes
-from workflow.planning.cases import case_count
-from workflow.results.files import BATCH_RECORDS, BROKE_DOWN, RECORD
-from workflow.run.command import (
+from workflow.case import Case
+from workflow.cases import case_count
+from workflow.command import (
+    REPORT,
+    lock,
     options_of,
     profile_named,
     run_command,
     snakemake,
+    snakemake_command,
     study_with_joints,
 )
-from workflow.run.results_folder import REPORT, lock
+from workflow.configuration import ConfigError, read_study_file
+from workflow.consistency import notes
+from workflow.jobs import case_jobs
+from workflow.results.record import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
 from workflow.schema import Study
 
 SUMMARIES = {  # and the marks that nothing is missing, whose logs show that they were written
@@ -28,6 +36,10 @@ SUMMARIES = {  # and the marks that nothing is missing, whose logs show that the
     "structures.txt": "structures_complete",
 }
 MANY = 5000  # cases, which take a while to plan
+DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
+REFUSED = "refused"  # by a model that cannot do such a structure
+NONE = (None, False)
+CURRENT = "no update"  # what Snakemake plans for an output that is up to date
 RETRY = "RETRY"  # in the environment: try all cases without a result again
 
 
@@ -109,11 +121,47 @@ def write_decks(config: Path, results: str | None) -> str | None:
     return None
 
 
-def list_cases(config: Path, results: str | None, form: str) -> None:
-    """Print the cases of a study and their state."""
-    from workflow.run.case_states import case_rows
+def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
+    """One row for each case, with its state, peak (N), and the reason if there is none.
 
-    print(text_of(case_rows(config, results), form))
+    Outdated is what was made from another configuration or by other code. `ConfigError` for a
+    configuration that is not valid.
+    """
+    study = read_study_file(config, results)
+    found: dict[str, tuple[Record[Any] | None, bool]] = {}
+    for path, valid in _current(config, study.results).items():
+        try:
+            found |= {record.folder: (record, valid) for record in read_records([path])}
+        except (OSError, ResultError):
+            continue
+    jobs = case_jobs(study)
+    cases: list[Case[Any]] = [*jobs.joints.values(), *jobs.structures.values()]
+    return [
+        {"model": case.model, "case": case.name, **_state(*found.get(case.folder, NONE))}
+        for case in cases
+    ]
+
+
+def _current(config: Path, results: str) -> dict[Path, bool]:
+    """The records that Snakemake knows, and whether each is up to date."""
+    command = [*snakemake_command(config, results), "--summary"]
+    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    rows = csv.DictReader(text.splitlines(), delimiter="\t")
+    return {
+        Path(row["output_file"]): row["plan"] == CURRENT
+        for row in rows
+        if Path(row["output_file"]).name in (RECORD, BATCH_RECORDS)
+    }
+
+
+def _state(record: Record[Any] | None, valid: bool) -> dict[str, Any]:
+    if record is None:
+        return {"state": TO_DO, "peak (N)": None, "note": ""}
+    if record.refused:
+        return {"state": REFUSED, "peak (N)": None, "note": record.refused}
+    if record.error is not None:
+        return {"state": FAILED, "peak (N)": None, "note": record.error}
+    return {"state": DONE if valid else OUTDATED, "peak (N)": record.load_N, "note": ""}
 
 
 def main() -> None:
@@ -131,7 +179,7 @@ def main() -> None:
         "study": lambda: run_study(config, results, profile_named(arguments.profile)),
         "report": lambda: write_report(config, results),
         "decks": lambda: write_decks(config, results),
-        "cases": lambda: list_cases(config, results, arguments.format),
+        "cases": lambda: print(text_of(case_rows(config, results), arguments.format)),
     }
     run_command(commands[arguments.what], arguments)
 

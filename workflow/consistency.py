@@ -16,10 +16,9 @@ from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE
 from workflow.schema import Study
-from workflow.schema.assembly import AssemblySection, Pieces
-from workflow.schema.campaign import required_sections
-from workflow.schema.dem import NumericsSection
-from workflow.schema.joint import PartSection, changed
+from workflow.schema.joint import AssemblySection, PartSection, Pieces, changed
+from workflow.schema.models import NumericsSection
+from workflow.schema.study import required_sections
 from workflow.structures import structure_faults
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
@@ -78,12 +77,8 @@ def _measured(study: Study) -> Iterator[str]:
             )
 
 
-def requirements(study: Study, assembly: AssemblySection, sample: str) -> tuple[Requirement, ...]:
+def requirements(study: Study, assembly: AssemblySection, sample: str) -> Iterator[Requirement]:
     """Requirements of ``study`` on a model that runs ``sample`` with ``assembly``."""
-    return tuple(_requirements(study, assembly, sample))
-
-
-def _requirements(study: Study, assembly: AssemblySection, sample: str) -> Iterator[Requirement]:
     ability, allowed = FAILURES[assembly.failure]
     yield Requirement(ability, "assembly.failure", str(assembly.failure), allowed)
     if assembly.pieces is Pieces.ELASTIC:

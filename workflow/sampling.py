@@ -7,9 +7,9 @@ cohesion: first failures over T0 depend on nothing else except the weight, which
 
 import importlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import with_parameters
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.quantities import Count, Number, Part, Span
+from sidmacib.validation import dataclass_from
 
 Limits = tuple[float, float]
 Ratios = Annotated[Limits, Span(Number(above=0))]
@@ -73,6 +74,13 @@ def sampled_joints(
     places = sequence.random_base2(math.ceil(math.log2(sampling.joints)))  # these are balanced
     for number in range(start, min(stop, sampling.joints)):
         yield _joint(sampling, base, number, places[number].tolist())
+
+
+def joints_of(arguments: Mapping[str, Any]) -> Iterator[SampledJoint]:
+    """The joints of a job's batch, from ``start`` to before ``stop``."""
+    sampling = dataclass_from(Sampling, arguments["sampling"])
+    base = dataclass_from(Joint, arguments["base"])
+    return sampled_joints(sampling, base, arguments["start"], arguments["stop"])
 
 
 def _joint(sampling: Sampling, base: Joint, number: int, place: list[float]) -> SampledJoint:

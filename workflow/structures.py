@@ -11,7 +11,7 @@ from sidmacib.models import MODELS, SOLVED
 from sidmacib.quantities import shown
 from workflow.case import REFERENCE, Case, StructureCase, StructureSubject, structure_case_name
 from workflow.schema import Study
-from workflow.schema.structures import StructureSection
+from workflow.schema.study import StructureSection
 
 LOAD = "load"  # the name of the load in a description
 ABLE = tuple(  # models of structures: those of rigid pieces

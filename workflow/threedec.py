@@ -29,7 +29,9 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.problem import Outcome, Problem, State
 from workflow.case import REFERENCE, JointCase
+from workflow.results.record import record_of, record_without_result
 from workflow.schema import Study
+from workflow.step import Arguments, FileLists, Files, step
 
 MODEL = "3dec"
 TEMPLATE, DECK, RETURNED = "3dec.dat.j2", "joint.dat", "results.txt"
@@ -206,3 +208,25 @@ def _outcome(
     force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
     state = State(loads[0], None, force, np.ones(len(force), dtype=bool))
     return assembly, Outcome((state,), loads[1], peak_load=state.load)
+
+
+def write_decks(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
+    """Write the deck of each case."""
+    for data, path in zip(arguments["cases"], outputs["decks"], strict=True):
+        path.write_text(deck(JointCase.from_json(data)))
+
+
+def write_returned(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
+    """Write the record; returns the error message, or None."""
+    case = JointCase.from_json(arguments["case"])
+    try:
+        problem, found = read_returned(inputs["printed"].read_text(errors="replace"), case)
+        record = record_of(case, problem, found, {})
+    except (OSError, ResultError) as error:
+        record = record_without_result(case, error=f"{case.model}: {error}")
+    outputs["record"].write_text(record.to_json() + "\n")
+    return None if record.error is None else f"{case.name}: {record.error}"
+
+
+if __name__ == "__main__":
+    step(write_decks, returned=write_returned)

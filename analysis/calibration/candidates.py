@@ -32,10 +32,7 @@ from workflow.schema.joint import GeometrySection as Geometry
 # Of a peak: published ones of a sample differ by 0.03 and 0.55 % between the meshes.
 PEAK_SCALE = 0.005
 WEIGHT_SCALE = 0.02  # -, of a weight: printed with two digits, as mean stresses at one instant
-PEAK_AIM, WEIGHT_AIM = (
-    0.005,
-    0.04,
-)  # largest differences of a joint that fits
+PEAK_AIM, WEIGHT_AIM = 0.005, 0.04  # largest differences of a joint that fits
 ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
 SIZE_COLUMNS = ("a_m", "b_m", "h_m", "H_m")
 

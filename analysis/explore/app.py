@@ -8,18 +8,16 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from threading import Thread
-from typing import Any, Generic
+from typing import Annotated, Any, Generic
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
+from pydantic import BaseModel, Field
 from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, NotFound
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
 from analysis.drawing.labels import label_of
-from analysis.explore.covered import covered
-from analysis.explore.desk import Desk, SupersededError
-from analysis.explore.effects import effects
 from analysis.explore.examples import (
     EXAMPLES,
     STRUCTURE_MODELS,
@@ -29,8 +27,16 @@ from analysis.explore.examples import (
     choice_in,
     defaults,
 )
-from analysis.explore.guard import HEADERS, in_one_line, require_own
-from analysis.explore.pictures import answers, peak, pictures, ratios, which_counts
+from analysis.explore.pictures import (
+    answers,
+    covered,
+    effects,
+    peak,
+    pictures,
+    ratios,
+    which_counts,
+)
+from analysis.explore.requests import HEADERS, Desk, SupersededError, in_one_line, require_own
 from analysis.explore.state import (
     SLIDERS,
     Checked,
@@ -54,7 +60,6 @@ FILES = (
     (HERE / "explore.css", STYLE),
     *((DRAWING / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
 )
-LONGEST_ID = 40  # letters, of a page
 SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
@@ -194,24 +199,23 @@ class _Asked(Generic[State]):
         return {"number": self.number, "notes": list(self.checked.notes)}
 
 
+class _Post(BaseModel):
+    """What a page sends: its name, the number of the request, and the value of each slider."""
+
+    page: Annotated[str, Field(min_length=1, max_length=40)]
+    number: Annotated[int, Field(ge=0)]
+    values: dict[str, Any]
+
+
 def _asked(
     request: Request, read: Callable[[Mapping[str, object]], Checked[State]]
 ) -> _Asked[State]:
     """The request's JSON, its values by ``read``; `BadRequest` for any other."""
     try:
-        sent = json.loads(request.get_data(cache=False))
+        sent = _Post.model_validate(json.loads(request.get_data(cache=False)), strict=True)
     except (ValueError, RecursionError):
-        raise BadRequest("The post is not JSON that this page would send.") from None
-    if not isinstance(sent, dict):
-        raise BadRequest("The post must be an object with page, number and values.")
-    page, number, values = (sent.get(name) for name in ("page", "number", "values"))
-    if not isinstance(page, str) or not 0 < len(page) <= LONGEST_ID:
-        raise BadRequest(f"page must be a text of 1 to {LONGEST_ID} letters.")
-    if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-        raise BadRequest("number must be a whole number of at least 0.")
-    if not isinstance(values, dict):
-        raise BadRequest("values must be an object with a value for each slider.")
-    return _Asked(page, number, read(values))
+        raise BadRequest("A post must have page, number and values, as this page sends.") from None
+    return _Asked(sent.page, sent.number, read(sent.values))
 
 
 def page(link: Checked[Settings]) -> str:

@@ -1,24 +1,41 @@
-"""The explorer's data for a joint: V-M curve, weights of the locks, and a drawing."""
+"""The explorer's data for a joint: V-M curve, weights, a drawing, and what each slider shows.
+
+Sliders show the ranges that law and safe rule were tested in, and effects on the first failure.
+"""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from analysis.drawing.boxes import boxes
 from analysis.drawing.labels import label_of
-from analysis.explore.state import Settings
-from sidmacib.answers.joint import joint_answer, quick_path
+from analysis.explore.state import SLIDERS, Settings
+from sidmacib.answers.joint import joint_answer, meshes, quick_path
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS
 from sidmacib.errors import CapacityError
+from sidmacib.joint.effects import FIELDS as OF_JOINTS
+from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.rule.law import RULES, LawCapacity, first_failure, law
+from sidmacib.rule.law import RULES, LawCapacity, first_failure, law, require_covered
 
 SYMBOLS = {"law": "x", "safe": "star"}
+MOST_VALUES = 41  # of a slider, that are tried
+# What a slider changes; the tensile strength goes with the cohesion.
+FIELDS = tuple(
+    replace(each, places=(*each.places, "inner.tensile_strength"))
+    if each.name == "cohesion"
+    else each
+    for each in OF_JOINTS
+    if each.name in SLIDERS
+)
+PRESSURE = Field("pressure", ("hold_down.amount",), "Pa")
 
 
 @dataclass(frozen=True)
@@ -178,3 +195,59 @@ def pictures(state: Settings, results: Answers) -> dict[str, Any]:
             for piece in boxes(state.joint)
         ],
     }
+
+
+def covered(state: Settings) -> dict[str, tuple[float, float] | None]:
+    """The least and the largest value of each slider at which law and safe rule take the joint.
+
+    The other sliders stay as they are. None where no value does; choices are left out.
+    """
+    found: dict[str, tuple[float, float] | None] = {}
+    for name, slider in SLIDERS.items():
+        if slider.choices:
+            continue
+        steps = round((slider.most - slider.least) / slider.step)
+        places = np.unique(np.linspace(0, steps, min(MOST_VALUES, steps + 1)).round())
+        values = [round(slider.least + float(place) * slider.step, 9) for place in places]
+        inside = [value for value in values if _is_covered(state, name, value)]
+        found[name] = (inside[0], inside[-1]) if inside else None
+    return found
+
+
+def _is_covered(state: Settings, name: str, value: float) -> bool:
+    changed = replace(state, **{name: int(value) if name == "locks" else value})  # type: ignore[arg-type]
+    try:
+        require_covered(changed.joint)
+    except ValueError:
+        return False
+    return True
+
+
+def effects(state: Settings) -> dict[str, str]:
+    """Below each slider: an arrow, and the change of the first failure for 1 % more.
+
+    Nothing of a slider at 0, and of blocks that bend, whose static model is not shown.
+    """
+    fields = (*FIELDS, PRESSURE) if state.pressure else FIELDS
+    if not state.friction:
+        fields = tuple(each for each in fields if each.name != "friction")
+    return _effects(state.joint, state.eccentricity, fields)
+
+
+@lru_cache(maxsize=512)
+def _effects(joint: Joint, ratio: float, fields: tuple[Field, ...]) -> dict[str, str]:
+    if joint.elastic is not None:
+        return {}
+    try:
+        found = sensitivity(joint, Loading(Direction(ratio)), meshes(joint)[1], fields=fields)
+    except CapacityError:
+        return {}
+    return {each.name: effect_words(each.more) for each in found.effects if each.more is not None}
+
+
+def effect_words(more: float) -> str:
+    """An arrow towards a larger load, and the change (%) for 1 % more; no arrow for none."""
+    shown = f"{more:+.2f} %".replace("-", "\N{MINUS SIGN}")
+    if float(f"{more:.2f}") == 0.0:
+        return "0.00 %"
+    return f"\N{RIGHTWARDS ARROW} {shown}" if more > 0.0 else f"\N{LEFTWARDS ARROW} {shown}"

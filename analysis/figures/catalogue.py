@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from workflow.case import REFERENCE, JointCase
-from workflow.planning.cases import cases_of
+from workflow.cases import cases_of
 from workflow.schema import Study
 
 MOST_SAMPLES = 12  # that are drawn: a sweep over many has tables

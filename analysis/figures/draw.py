@@ -6,33 +6,25 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from analysis.figures import curves, joint, models, side_by_side, stress_maps, style, variants
+from analysis.figures import curves, joint, models, style
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.material import FigureData, Stresses
-from workflow.results.files import BATCH_NODES
-from workflow.results.record import read_records
-from workflow.results.tables import (
-    CAPACITY,
-    ENVELOPES,
-    MODELS,
-    VALIDATION,
-    VARIANTS,
-    read_table,
-)
-from workflow.run.step import Arguments, FileLists, Files, step
+from workflow.results.record import BATCH_NODES, read_records
+from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
 from workflow.schema import Study
+from workflow.step import Arguments, FileLists, Files, step
 
 DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
     "joint": joint.joint,
     "options": curves.options,
     "meshes": curves.meshes,
     "revised": curves.revised,
-    "shear_stress": stress_maps.stress_map,
-    "torsion_stress": stress_maps.stress_map,
+    "shear_stress": joint.stress_map,
+    "torsion_stress": joint.stress_map,
     "models": models.models,
-    "side_by_side": side_by_side.side_by_side,
-    "stiffness": variants.stiffness,
-    "fracture_energy": variants.fracture_energy,
+    "side_by_side": curves.side_by_side,
+    "stiffness": models.stiffness,
+    "fracture_energy": models.fracture_energy,
 }
 KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES, VARIANTS)
 

@@ -1,7 +1,12 @@
 # The report of a study: its joints and structures, from the inputs that other rules have added.
-from analysis.report.files import FILES as PAGE_FILES
-from workflow.run.results_folder import REPORT
+from workflow.command import REPORT
 
+PAGE_FILES = tuple(  # templates, styles and scripts
+    f"analysis/{folder}/{path.name}"
+    for folder in ("report", "drawing")
+    for path in Path(CHECKOUT, "analysis", folder).iterdir()
+    if path.suffix in (".css", ".j2", ".js")
+)
 SHOWN_STRUCTURES = {  # one case of each, whatever its model
     case.name: case.to_json() for case in reversed(JOBS.structures.values())
 }
@@ -17,7 +22,7 @@ rule report:
     group:
         "tables"
     params:
-        study=lambda wildcards: STUDY.pieces_json() if STUDY.samples else None,
+        study=lambda wildcards: STUDY.part("variants") if STUDY.samples else None,
         structures=lambda wildcards: STUDY.structures_json() if STUDY.structures else None,
         configuration=lambda wildcards: STUDY.model_dump_json(exclude={"results"}),
         cases=lambda wildcards: [*reversed(SHOWN_STRUCTURES.values())],

@@ -69,11 +69,11 @@ rule structures_complete:
     log:
         below("logs/structures_complete.log"),
     params:
-        code=code("analysis.summary.complete"),
+        code=code("analysis.summary.summary"),
     message:
         "Check that every structure has a result"
     script:
-        "../summary/complete.py"
+        "../summary/summary.py"
 
 
 STRUCTURE_FILES = [

@@ -9,7 +9,7 @@ from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.joint import Direction
 from sidmacib.models import LAWS
-from workflow.planning.cases import Place
+from workflow.cases import Place
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 
@@ -49,13 +49,10 @@ def describe_rule(study: Study, name: str, place: Place) -> str:
 
     One of `NO_ANSWER` of `analysis.tables.capacity` where the rule has none.
     """
-    lines = _law if name in LAWS else _sidmacib
-    return "\n".join(lines(study, name, place))
-
-
-def _law(study: Study, name: str, place: Place) -> Iterator[str]:
+    if name not in LAWS:
+        return "\n".join(_sidmacib(study, name, place))
     point = law_capacity(study, name, place.sample, place.ratio, place.variant)
-    yield f"{label_of(name).name}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
+    return f"{label_of(name).name}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
 
 
 def _sidmacib(study: Study, name: str, place: Place) -> Iterator[str]:

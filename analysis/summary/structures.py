@@ -8,7 +8,7 @@ import pandas as pd
 from sidmacib.problem import FIRST_FAILURE
 from workflow.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 

@@ -1,21 +1,23 @@
-"""The summary of a study in words: how the results compare, and where they are."""
+"""The summary of a study in words: how the results compare, where they are, and what is missing."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from analysis.drawing.labels import label_of
+from analysis.published import comparisons, difference_text, quantity_label
 from analysis.summary.answers import (
     DESIGN,
     MESH_LIMIT,
+    PEAK_ACCURACY,
     answers,
+    direction_words,
     percent,
     ratios,
 )
-from analysis.summary.rules import PEAK_ACCURACY, direction_words
-from analysis.tables.misfit import winner
-from analysis.tables.validation import comparisons, difference_text, quantity_label
+from analysis.tables.study_points import winner
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE
@@ -24,13 +26,15 @@ from workflow.results.tables import (
     CAPACITY,
     CASES,
     FIT,
+    STRUCTURES,
     VALIDATION,
     Table,
     read_table,
 )
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
+GEOMETRY = "a, b, h and H (the paper's text gives a * b only), "
 ACROSS = 4  # samples in one block of the list of loads
 MOST_SAMPLES = 12  # whose loads are listed
 
@@ -68,16 +72,11 @@ def summary(
             f"Report:  {results}/report.html",
             f"Tables:  {results}/tables",
             f"Figures: {results}/figures (side_by_side.png first)",
-            _assumed(published=not tables["validation"].empty),
+            # The geometry only if it represents the paper's.
+            f"Assumed: {'' if tables['validation'].empty else GEOMETRY}contact-point positions.",
             "",
         ]
     )
-
-
-def _assumed(published: bool) -> str:
-    """The assumptions of the results; the geometry only if it represents the paper's."""
-    geometry = "a, b, h and H (the paper's text gives a * b only), " if published else ""
-    return f"Assumed: {geometry}contact-point positions."
 
 
 def _failed(cases: pd.DataFrame) -> Iterator[str]:
@@ -321,5 +320,23 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     outputs["summary"].write_text(text)
 
 
+def check_complete(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
+    """Write how many cases there are; returns the names and reasons of those without a result."""
+    joints = "cases" in inputs
+    kind, names = (CASES, "name") if joints else (STRUCTURES, "case")
+    return marked(read_table(kind, inputs[kind.name]), names, outputs["mark"])
+
+
+def marked(cases: pd.DataFrame, names: str, mark: Path) -> str | None:
+    """Implement it for ``cases`` whose names are in the column ``names``."""
+    failed = cases[cases["error"].notna()]
+    if failed.empty:
+        mark.write_text(f"{len(cases)} cases\n")
+        return None
+    rows = failed[[names, "model", "error"]].itertuples(index=False)
+    lines = [f"{name} ({model}): {error}" for name, model, error in rows]
+    return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])
+
+
 if __name__ == "__main__":
-    step(run)
+    step(run, complete=check_complete, structures_complete=check_complete)

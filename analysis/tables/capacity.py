@@ -18,8 +18,8 @@ from sidmacib.rule.law import RULES, LawCapacity
 from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
 from workflow.results.tables import CAPACITY, CASES, ENVELOPES, WEIGHTS, read_table, write_table
-from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, Files, step
 
 NO_ANSWER = (CapacityError, ValueError)  # raised by rules in closed form
 
@@ -46,6 +46,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
             strengths.setdefault(strength, []).append((reduction, *source))
         for strength, uses in strengths.items():
             for (name, option), friction in product(study.sidmacib.options.items(), (False, True)):
+                kind = f"{name}-{'friction' if friction else 'frictionless'}"
                 model = Sidmacib(
                     joint, option.contact_option(), strength, friction, study.sidmacib.overload
                 )
@@ -55,7 +56,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
                 ):
                     yield {
                         "model": "sidmacib",
-                        "variant": sidmacib_variant(name, friction, reduction),
+                        "variant": f"{kind}-{reduction}",
                         **_place(study, sample, mesh, ratio),
                         "shear_N": point.shear,
                         "torque_Nm": point.torque,
@@ -117,11 +118,6 @@ def _place(study: Study, sample: str, mesh: float, ratio: float) -> dict[str, An
         "eccentricity_over_a": ratio,
         "case": case_name(sample, mesh, ratio),
     }
-
-
-def sidmacib_variant(option: str, friction: bool, reduction: str) -> str:
-    """Name of a variant of SiDMACIB in the tables."""
-    return f"{option}-{'friction' if friction else 'frictionless'}-{reduction}"
 
 
 def published_rows(study: Study, published: Published) -> Iterator[dict[str, Any]]:

@@ -15,7 +15,7 @@ from workflow.case import REFERENCE
 from workflow.results.joint_part import JointRecord
 from workflow.results.record import read_records
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
-from workflow.run.step import Arguments, FileLists, Files, step
+from workflow.step import Arguments, FileLists, Files, step
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
 SHARED = (

@@ -14,7 +14,7 @@ from sidmacib.structure.analysis.tilt import tilt_of_load
 from workflow.results.record import read_records
 from workflow.results.structure_part import InterfaceRow, StructureRecord
 from workflow.results.tables import BLOCKS, INTERFACES, MOTION, STRUCTURES, write_table
-from workflow.run.step import Arguments, FileLists, Files, step
+from workflow.step import Arguments, FileLists, Files, step
 
 TILTS = {
     "load_N": "tilt_degrees",

@@ -1,8 +1,14 @@
-"""Rows of tables at the meshes and directions that a study asks for."""
+"""Rows of tables at the meshes and directions that a study asks for, and how far curves are apart.
+
+Without a solver: steps that only read fits load none.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
+from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
 from workflow.schema import Study
 
@@ -45,3 +51,30 @@ def pure_shear_weights(
         (str(model), float(str(mesh))): locks.sort_values("lock")["weight"].tolist()
         for (model, mesh), locks in rows.groupby(["model", "mesh_m"], sort=False)
     }
+
+
+@dataclass(frozen=True)
+class LoadErrors:
+    """Relative errors of a curve: root mean square, largest unsafe and largest safe one."""
+
+    misfit: float
+    largest_unsafe_error: float
+    largest_safe_error: float
+
+
+def misfit(promised: Floats, carried: Floats) -> LoadErrors:
+    """Errors of SiDMACIB's loads against those of a detailed model, both in N, of shape (N,)."""
+    error = promised / carried - 1.0
+    return LoadErrors(
+        float(np.sqrt(np.mean(error**2))),
+        float(max(error.max(), 0.0)),
+        float(max(-error.min(), 0.0)),
+    )
+
+
+def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.Series:
+    """The row of ``fit`` that fits a sample at a mesh best, among those with ``chosen`` values."""
+    rows = fit[(fit["sample"] == sample) & np.isclose(fit["mesh_m"], mesh)]
+    for column, value in chosen.items():
+        rows = rows[rows[column] == value]
+    return rows.sort_values("misfit", kind="stable").iloc[0]

@@ -11,9 +11,10 @@ import argparse
 import itertools
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayo
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.rule.law import SPANS, safe
+from studies.markdown import markdown
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to
 LEAST = 1e-4  # of ratios that may be 0: spread evenly in their logarithm from here on
@@ -43,6 +45,10 @@ CHECKS = {  # of the worst joints
 
 MORE_LOCKS = (7, 9, 12, 15)  # of the worst joints of elastic blocks, too slow to be searched
 MORE = "safe_over_first_failure_{}_locks"
+HEAD = [
+    *("space", "joints", "answered", "not solved"),
+    *("safe / first failure", "safe / peak, on other nodes"),
+]
 
 
 @dataclass(frozen=True)
@@ -302,6 +308,43 @@ def main(arguments: Sequence[str] | None = None) -> int:
     worst, total = table["safe_over_first_failure"].max(), table["evaluations"].sum()
     print(f"{total} joints; largest safe load over first failure {worst:.4f}; {given.table}")
     return 0 if worst <= 1.0 else 1
+
+
+def worst(results: Path, *, elastic: bool) -> str:
+    """A row for each space of ``elastic`` or of rigid blocks: the worst of all starts.
+
+    FileNotFoundError if the table has none of these spaces.
+    """
+    path = results / "tables/attack.csv"
+    table = pd.read_csv(path)
+    names = [space.name for space in SPACES if space.elastic is elastic]
+    table = table[table["space"].isin(names)]
+    if table.empty:
+        blocks = "elastic" if elastic else "rigid"
+        raise FileNotFoundError(None, None, f"the attack on {blocks} blocks in {path}")
+    rows = []
+    for space, group in table.groupby("space", sort=False):
+        peaks = group.filter(regex=r"^safe_over_peak_\d+$").max(numeric_only=True)
+        longer = group[[MORE.format(n) for n in MORE_LOCKS]].max() if elastic else []
+        rows.append(
+            [
+                str(space),
+                f"{group['evaluations'].sum():,}",
+                f"{group['answered'].sum():,}",
+                f"{group['unsolved'].sum():,}",
+                f"{group['safe_over_first_failure'].max():.3f}",
+                ", ".join(f"{value:.3f}" for value in peaks),
+                *(f"{value:.3f}" for value in longer),
+            ]
+        )
+    more = [f"{number} locks" for number in MORE_LOCKS] if elastic else []
+    return markdown([*HEAD, *more], rows)
+
+
+BLOCKS: dict[str, Callable[[Path], str]] = {
+    "attack": partial(worst, elastic=False),
+    "attack-elastic": partial(worst, elastic=True),
+}
 
 
 if __name__ == "__main__":

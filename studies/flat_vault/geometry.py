@@ -108,11 +108,7 @@ def _walls(count: int, width: float) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def _rounded(*values: float) -> list[float]:
-    return [_short(value) for value in values]
-
-
-def _short(value: float) -> float:
-    return round(value, 6) + 0.0
+    return [round(value, 6) + 0.0 for value in values]
 
 
 def text(blocks: int) -> str:

@@ -11,10 +11,9 @@ from matplotlib.ticker import NullFormatter
 from analysis.drawing.labels import rule_name
 from analysis.figures import style
 from sidmacib.rule.pairs import Pairs
-from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
-from studies.locks.points import POINTS
+from studies.locks.tables import JOINT, POINTS, brittle_odd_joints, known, rule_errors
 from workflow.results.tables import read_table
-from workflow.run.step import Arguments, FileLists, Files, step
+from workflow.step import Arguments, FileLists, Files, step
 
 MOST_DRAWN = 20_000  # points of a figure: more would not be seen
 REACH = 10.0  # %, of errors of the law that are drawn

@@ -15,10 +15,9 @@ import pandas as pd
 
 from sidmacib.contact_points.options import OPTIONS, ContactOption
 from sidmacib.mechanics.assembly import Floats
-from studies.locks.errors import brittle_odd_joints, by_locks, unit_loads
-from studies.locks.points import POINTS
+from studies.locks.tables import POINTS, brittle_odd_joints, by_locks, unit_loads
 from workflow.results.tables import Table, read_table, write_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 POSITIONS = np.linspace(0.02, 0.5, 25)  # of a pair's points, over a
 ENDS = np.linspace(0.05, 0.5, 10)  # the same, beside a third point in the middle,

@@ -4,22 +4,24 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+import pandas as pd
+
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.rule.law import RULES, first_failure
 from sidmacib.rule.pairs import pairs_of
-from workflow.run.step import Arguments, Files, step
-from workflow.sampling import SampledJoint
-from workflow.steps.joints import joints_of, write_rows
+from workflow.sampling import SampledJoint, joints_of
+from workflow.step import Arguments, Files, step
 
 MANY = 41  # locks
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the rows of a batch."""
-    rows = law_rows(joints_of(arguments), arguments["eccentricities"])
-    write_rows(arguments["name"], rows, outputs["joints"])
+    rows = pd.DataFrame(law_rows(joints_of(arguments), arguments["eccentricities"]))
+    rows.insert(0, "sampling", arguments["name"])
+    rows.to_parquet(outputs["joints"], compression="zstd")
 
 
 def law_rows(

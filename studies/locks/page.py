@@ -5,13 +5,9 @@ from pathlib import Path
 
 from analysis.drawing.labels import label_of
 from sidmacib.models import REFERENCE_MODEL
-from studies.locks.bonds import BONDS
-from studies.locks.errors import LAW, RULE_ERRORS
 from studies.locks.freedoms import FREEDOMS
-from studies.locks.interaction import INTERACTION
-from studies.locks.paper_joint import ASSUMED_SIZES, CHARACTERISTIC
-from studies.locks.points import POINTS
-from studies.locks.sensitivity import SENSITIVITY
+from studies.locks.tables import BONDS, INTERACTION, LAW, POINTS, RULE_ERRORS
+from studies.locks.variation import ASSUMED_SIZES, CHARACTERISTIC, SENSITIVITY
 from studies.markdown import body, markdown, markdown_of, percent, size, span, table_in
 from workflow.results.tables import CAPACITY
 

@@ -32,63 +32,31 @@ rule points:
     group:
         "tables"
     params:
-        code=code("studies.locks.points"),
+        code=code("studies.locks.tables"),
     message:
         "Tabulate the law with the static model"
     script:
-        "points.py"
+        "tables.py"
 
 
-rule errors:
+rule law_tables:
     input:
         points=rules.points.output.points,
     output:
         law=shown("tables/law.csv"),
         rules=shown("tables/rules.csv"),
-    log:
-        below("logs/errors.log"),
-    group:
-        "tables"
-    params:
-        code=code("studies.locks.errors"),
-    message:
-        "Compare law and rules with the static model"
-    script:
-        "errors.py"
-
-
-rule interaction:
-    input:
-        points=rules.points.output.points,
-    output:
         interaction=shown("tables/interaction.csv"),
-    log:
-        below("logs/interaction.log"),
-    group:
-        "tables"
-    params:
-        code=code("studies.locks.interaction"),
-    message:
-        "Compare interaction curves with the static model"
-    script:
-        "interaction.py"
-
-
-rule bonds:
-    input:
-        points=rules.points.output.points,
-    output:
         bonds=shown("tables/bonds.csv"),
     log:
-        below("logs/bonds.log"),
+        below("logs/law_tables.log"),
     group:
         "tables"
     params:
-        code=code("studies.locks.bonds"),
+        code=code("studies.locks.tables"),
     message:
-        "Compare peaks with first failures, by kind of bond"
+        "Compare law, rules, interaction curves and kinds of bonds with the static model"
     script:
-        "bonds.py"
+        "tables.py"
 
 
 rule freedoms:
@@ -118,11 +86,11 @@ rule sensitivity:
     params:
         sampling=lambda wildcards: plain(next(iter(STUDY.samplings.values())).sampling()),
         base=lambda wildcards: plain(STUDY.base_joint),
-        code=code("studies.locks.sensitivity"),
+        code=code("studies.locks.variation"),
     message:
         "Find the parameters that the first failure depends on"
     script:
-        "sensitivity.py"
+        "variation.py"
 
 
 rule paper_joint:
@@ -135,11 +103,11 @@ rule paper_joint:
         "tables"
     params:
         base=lambda wildcards: plain(STUDY.base_joint),
-        code=code("studies.locks.paper_joint"),
+        code=code("studies.locks.variation"),
     message:
         "Vary strength and sizes of the joint of the paper"
     script:
-        "paper_joint.py"
+        "variation.py"
 
 
 rule law_figures:
@@ -165,9 +133,7 @@ rule law_figures:
 OF_CAMPAIGN = [
     *OF_LAW,
     *rules.points.output,
-    *rules.errors.output,
-    *rules.interaction.output,
-    *rules.bonds.output,
+    *rules.law_tables.output,
     *rules.freedoms.output,
     *rules.sensitivity.output,
     *rules.paper_joint.output,

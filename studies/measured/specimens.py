@@ -29,10 +29,7 @@ LOCKS = (5, 7, 9, 11)
 RATIOS = (0.0, 0.5, math.inf)  # e / a
 VARIATION = 0.2  # of the locks' strengths, standard deviation over mean
 YOUNG = 1e10  # Pa, of the one piece
-SIGNIFICANCE, POWER = (
-    0.05,
-    0.8,
-)  # of the test: of deciding where there is no difference, and where there is
+SIGNIFICANCE, POWER = 0.05, 0.8  # of the test: of deciding without a difference, and with one
 LEAST = 3  # specimens: fewer tell nothing of their scatter
 SPECIMENS = Table(
     "specimens",

@@ -8,27 +8,18 @@ import pandas as pd
 
 from analysis.calibration.candidates import PEAK_AIM, WEIGHT_AIM, read_as_degrees
 from analysis.drawing.labels import label_of
-from analysis.published import read_published
-from analysis.summary.summary import leading_models
-from analysis.tables.validation import (
+from analysis.published import (
     PublishedLine,
     PublishedSamples,
     comparisons,
     difference_text,
     quantity_label,
+    read_published,
 )
+from analysis.summary.summary import leading_models
 from sidmacib.joint.joint import Direction
 from sidmacib.models import REFERENCE_MODEL
-from studies.markdown import (
-    direction,
-    markdown,
-    markdown_of,
-    percent,
-    signed,
-    size,
-    span,
-    table_in,
-)
+from studies.markdown import direction, markdown, markdown_of, percent, signed, size, span, table_in
 from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
 
 SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a

@@ -28,8 +28,7 @@ from sidmacib.structure.analysis.tilt import (
     turned,
 )
 from studies.structures.finite_rotation import relaxed_tilt
-from studies.structures.peer import STABLE, UNSTABLE, rbe_verdict
-from studies.structures.pyramid import pyramid_tilt
+from studies.structures.rbe import STABLE, UNSTABLE, pyramid_tilt, rbe_verdict
 from studies.structures.samples import ABOUT, AXES, SAMPLES, Sample, fetched, sample_structure
 from studies.structures.shapes import answers
 

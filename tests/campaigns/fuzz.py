@@ -34,8 +34,8 @@ from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
 from workflow.case import JointCase
+from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.planning.cases import case_count, cases_of, find_case
 from workflow.results.joint_part import JointRecord
 from workflow.results.record import record_of
 from workflow.threedec import read_returned

@@ -1,13 +1,14 @@
-"""The checked result of a case, in the same form for all models.
+"""The checked result of a case, in the same form for all models, and the files of a case by name.
 
 Engines, models solved in this process and programs run elsewhere all give an `Outcome`.
 `record_of` checks it against its case and turns it into a `Record`; nothing else reaches a table.
 """
 
+import csv
 import dataclasses
 import importlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -15,8 +16,12 @@ from typing import Any, Generic, TypeVar
 from sidmacib.errors import ResultError
 from sidmacib.problem import Outcome, Problem, checked_share
 from sidmacib.validation import dataclass_from
-from workflow.case import SUBJECTS, Case, CaseId
+from workflow.case import SUBJECTS, Case, CaseId, JointSubject
 
+CASE, RECORD = "case.json", "record.json"
+BROKE_DOWN = "broke-down"  # mark beside a record: the engine did, and may not do so again
+BENCHMARKS = "benchmarks"  # folder of Snakemake's measurements
+BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 UNREADABLE = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 
@@ -143,14 +148,6 @@ def read_records(paths: Sequence[Path]) -> list[Record[Any]]:
     return records
 
 
-def write_record(record: Record[Any], path: Path) -> None:
-    """Write ``record``, completely or not at all."""
-    draft = path.with_suffix(".draft")
-    draft.unlink(missing_ok=True)  # it may be a link
-    draft.write_text(record.to_json() + "\n")
-    draft.replace(path)
-
-
 def rounded(value: float) -> float:
     """``value`` to `DIGITS` significant digits; never -0."""
     return float(f"{value:.{DIGITS}g}") + 0.0
@@ -181,3 +178,13 @@ def _record(case: Case[Any], part: Any, **values: Any) -> Record[Any]:
 
 def _in_a_line(reason: str | None) -> str | None:
     return None if reason is None else " ".join(reason.split())
+
+
+def read_times(results: Path) -> Iterator[tuple[str, float, float]]:
+    """Kind of each job that Snakemake measured, its time on the clock and of processors, in s."""
+    for path in sorted((results / BENCHMARKS).rglob("*.tsv")):
+        (row,) = csv.DictReader(path.read_text().splitlines(), delimiter="\t")
+        kind, *inside = path.relative_to(results / BENCHMARKS).parts
+        kind = inside[0] if kind == JointSubject.kind else kind  # the model
+        if row["cpu_time"] != "NA":  # it ended before it was looked at
+            yield kind, float(row["s"]), float(row["cpu_time"])

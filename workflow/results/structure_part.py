@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
-from sidmacib.mechanics.contact_law import Flags, NodeState
+from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.problem import Outcome, State
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.loads import free_weight
@@ -118,7 +118,7 @@ class StructurePart:
             weight_N=rounded(free_weight(assembly)),
             given_peak_N=given and rounded(given.peak),
             given_first_failure_N=given and rounded(given.first),
-            first_interface=_name(assembly, next(iter(outcome.broken_at), None)),
+            first_interface=next((assembly.faces[face].name for face in outcome.broken_at), None),
             mesh_error=errors.peak if counts is None or counts.peak else errors.first,
             first_failure_mesh_error=errors.first,
             nodes=len(assembly.nodes.area),
@@ -143,7 +143,8 @@ def interface_rows(
 
     ``failing``: the part of the peak at which the first bond of a face fails, by its index.
     """
-    state = None if at.bonded is None else _state(at.bonded)
+    bonded = at.bonded
+    state = None if bonded is None else NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
     size = float(np.abs(force).max(initial=0.0))
     rows = []
     for number, each in enumerate(interface_forces(assembly, force, state)):
@@ -193,16 +194,8 @@ def block_rows(assembly: Assembly, outcome: Outcome) -> tuple[BlockRow, ...]:
     return tuple(rows)
 
 
-def _state(bonded: Flags) -> NodeState:
-    return NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
-
-
 def _share(of_peak: float | None) -> float | None:
     return None if of_peak is None or of_peak > 1.0 else rounded(of_peak)
-
-
-def _name(assembly: Assembly, face: int | None) -> str | None:
-    return None if face is None else assembly.faces[face].name
 
 
 def _clean(value: float, size: float) -> float:

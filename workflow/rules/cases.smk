@@ -4,8 +4,9 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
 from sidmacib.models import MODELS
 from workflow.case import JointSubject, StructureSubject
-from workflow.planning.resources import engine_resources, solved_resources
-from workflow.results.files import BATCH_RECORDS, RECORD
+from workflow.jobs import engine_resources, solved_resources
+from workflow.results.record import BATCH_RECORDS, RECORD
+from workflow.threedec import DECK, deck_folder
 
 
 def engine_case(wildcards):
@@ -131,11 +132,11 @@ rule returned:
         case=lambda wildcards: JOBS.returned[
             f"cases/{wildcards.program}/{wildcards.case}"
         ].to_json(),
-        code=code("workflow.steps.returned", JointSubject.modules),
+        code=code("workflow.threedec", JointSubject.modules),
     message:
         "{wildcards.program}: {wildcards.case}"
     script:
-        "../steps/returned.py"
+        "../threedec.py"
 
 
 RECORDS = {  # where the record of a case is, by the folder of the case
@@ -154,3 +155,48 @@ def records_of(kind):
     """The files of the records of all cases of a kind, see `workflow.case`."""
     found = (path for folder, path in RECORDS.items() if folder.startswith(f"{kind}/"))
     return list(dict.fromkeys(found))
+
+
+# Files that are made only when they are asked for by name.
+if STUDY.samples:
+
+    BATCH_OF = {
+        case.id: case
+        for cases in JOBS.batches.values()
+        for case in cases
+        if case.subject.kind == JointSubject.kind
+    }
+
+    rule decks:
+        input:
+            template=f"{CHECKOUT}/templates/3dec.dat.j2",
+        output:
+            decks=[below(f"{deck_folder(name)}/{DECK}") for name in JOBS.decks],
+        log:
+            below("logs/decks.log"),
+        params:
+            cases=lambda wildcards: [case.to_json() for case in JOBS.decks.values()],
+            code=code("workflow.threedec"),
+        message:
+            "Write decks for 3DEC"
+        script:
+            "../threedec.py"
+
+    # A separate folder for a case that was solved in a batch.
+    rule case_files:
+        input:
+            records=lambda wildcards: RECORDS[f"cases/{wildcards.model}/{wildcards.case}"],
+        output:
+            result=below("cases/{model}/{case}/result.json"),
+        log:
+            below("logs/cases/{model}/{case}.files.log"),
+        wildcard_constraints:
+            model=one_of(model for model, _ in BATCH_OF),
+            case=one_of(case for _, case in BATCH_OF),
+        params:
+            case=lambda wildcards: BATCH_OF[wildcards.model, wildcards.case].to_json(),
+            code=code("workflow.steps.solve", JointSubject.modules),
+        message:
+            "{wildcards.model}: files of {wildcards.case}"
+        script:
+            "../steps/solve.py"

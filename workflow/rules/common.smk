@@ -4,8 +4,8 @@ import math
 import os
 import re
 
-from workflow.run.closure import code_digest
-from workflow.run.results_folder import lock
+from workflow.closure import code_digest
+from workflow.command import lock
 
 CAPTIONS = {  # of files in the report of Snakemake, by suffix
     ".csv": ("Tables", "table.rst"),
@@ -20,7 +20,7 @@ LOCKS = []  # of the results folder, held until this process ends
 # A limit for clusters: with it, Snakemake polls once a second for each job that has ended.
 if workflow.executor_plugin and workflow.executor_plugin.common_settings.local_exec:
     workflow.scheduling_settings.max_jobs_per_timespan = None
-# A script is a child of Snakemake itself, not of a shell, and ends with it (`workflow.run.step`).
+# A script is a child of Snakemake itself, not of a shell, and ends with it (`workflow.step`).
 shell.prefix("exec ")
 PATHS = filter(None, (CHECKOUT, os.environ.get("PYTHONPATH")))
 os.environ |= {"PYTHONPATH": os.pathsep.join(PATHS), "PYTHONUTF8": "1"}

@@ -2,7 +2,7 @@
 import json
 from dataclasses import asdict
 
-from workflow.planning.resources import sampling_resources
+from workflow.jobs import sampling_resources
 
 JOINTS = 64  # per batch of a sampling
 STARTS = {  # the first joint of each batch, by sampling and number of the batch
@@ -81,8 +81,8 @@ rule samplings:
     group:
         "tables"
     params:
-        code=code("analysis.tables.samplings"),
+        code=code("workflow.steps.sampling"),
     message:
         "Join the batches of the samplings"
     script:
-        "../../analysis/tables/samplings.py"
+        "../../workflow/steps/sampling.py"

@@ -1,20 +1,33 @@
-"""The joints of a study: sizes, materials, and locks that differ.
+"""The joints of a study: their sizes, materials and pieces, variants of them, and sets of many.
 
 Keys, ranges, units and defaults are those of `sidmacib.Joint`; narrower only where a study
 requires it: joints have weight, inner faces have strength, and dry faces have none.
 """
 
 from dataclasses import replace
+from enum import StrEnum
 from typing import Annotated, Any
 
 from pydantic import Field
 
-from sidmacib.joint.joint import DRY, INNER, Joint, OwnLock, Side
+from sidmacib.joint.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.joint.parameters import SIZES
-from sidmacib.mechanics.assembly import FaceMaterial
-from sidmacib.quantities import Length, Modulus, Number, Poisson
+from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
+from sidmacib.quantities import (
+    FractureEnergy,
+    Friction,
+    Length,
+    Modulus,
+    Number,
+    Poisson,
+    Share,
+    Span,
+)
 from sidmacib.reading import Section, Some, changes_to, section_of
-from workflow.schema.values import Eccentricities, Lengths, Name
+from workflow.sampling import Sampling
+from workflow.schema.models import NumericsChanges
+from workflow.schema.values import Eccentricities, Lengths, Name, Positive
 
 MOST_LOCKS = 101
 STIFFNESSES = ("normal_stiffness", "shear_stiffness")
@@ -133,3 +146,93 @@ class SampleSection(_OWN_SIZES):
             density=materials.density,
             **others,
         )
+
+
+class Pieces(StrEnum):
+    """Rigid or elastic pieces of the joint."""
+
+    RIGID = "rigid"
+    ELASTIC = "elastic"  # with the material of the block
+
+
+class AssemblySection(Section):
+    """Cuts, loads, hold-down and failure of the joint."""
+
+    pieces: Pieces = Pieces.RIGID
+    failure: Failure = Failure.BRITTLE
+    load_share: LoadShare = LoadShare.FACE
+    upper_body: UpperBody = UpperBody.COLUMNS
+    push: Push = Push.PLUS_Y
+    hold_down: HeldDown = HoldDown()
+
+
+_ASSEMBLY_CHANGES: Any = changes_to(AssemblySection)
+
+
+class VariantSection(_ASSEMBLY_CHANGES):
+    """Changes to the study, and the meshes and eccentricities at which it runs (None: all).
+
+    ``young``: of the block (Pa). ``fracture_energy``: of the inner faces (J/m2).
+    """
+
+    numerics: NumericsChanges = NumericsChanges()
+    nodes: NodeLayout | None = None
+    young: Modulus | None = None
+    fracture_energy: FractureEnergy | None = None
+    meshes: Lengths | None = None
+    eccentricities: Eccentricities | None = None
+
+    @property
+    def material(self) -> tuple[float | None, float | None]:
+        """Its changes to the materials."""
+        return self.young, self.fracture_energy
+
+    def assembly(self, study: AssemblySection) -> AssemblySection:
+        """The assembly of this variant."""
+        changes = {key: getattr(self, key) for key in AssemblySection.model_fields}
+        return study.model_copy(update={k: v for k, v in changes.items() if v is not None})
+
+
+MOST_JOINTS = 1_000_000
+
+_Count = Annotated[int, Number(at_least=1, at_most=MOST_JOINTS, whole=True)]
+_LockSpan = Annotated[tuple[int, int], Span(Number(at_least=2, at_most=MOST_LOCKS, whole=True))]
+_Cells = Annotated[tuple[int, int], Span(Number(at_least=1, at_most=8, whole=True))]
+_SAMPLING: Any = section_of(Sampling, joints=_Count, locks=_LockSpan)
+
+
+class SamplingSection(_SAMPLING):
+    """Number of joints and ranges of a sampling; see `workflow.sampling.Sampling`.
+
+    Width, strengths and normal stiffness are those of the study. ``cells``: numbers of cells along
+    the shorter side of a lock, of the two meshes. ``limited``: one in so many joints is solved by
+    limit analysis too.
+    """
+
+    eccentricities: Eccentricities | None = None
+    cells: _Cells = (1, 2)
+    limited: _Count = 16
+
+    def sampling(self) -> Sampling:
+        """The sampling, without the keys about solving its joints."""
+        return Sampling(**self.model_dump(exclude={"eccentricities", "cells", "limited"}))
+
+
+class CalibrationSection(Section):
+    """A grid of geometries and frictions, meshes (m), and how many of the best the engines run."""
+
+    a: Lengths = (0.03, 0.06, 0.1)
+    height_share: Annotated[tuple[Share, ...], Some] = (
+        *(0.2, 0.21, 0.22, 0.23),
+        *(0.24, 0.25, 0.26),
+    )  # h / (h + H)
+    height_over_b: Annotated[tuple[Positive, ...], Some] = (
+        *(0.3, 0.5, 0.7, 0.9, 1.0),
+        *(1.1, 1.2, 1.3, 1.4),
+    )  # (h + H) / b
+    friction: Annotated[tuple[Friction, ...], Some] = (
+        *(0.0, 0.005236, 0.01, 0.02, 0.03),
+        *(0.05, 0.1, 0.2, 0.3, 0.4),
+    )  # of dry faces
+    meshes: Lengths = (0.02, 0.005)
+    confirmed: Annotated[int, Number(at_least=1, at_most=20, whole=True)] = 3

@@ -1,29 +1,136 @@
-"""A whole study."""
+"""A whole study, and its sections that describe no joint and no model."""
 
+import importlib
 import math
-from typing import Any, Self
+from pathlib import Path
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
-from sidmacib.quantities import Length
-from sidmacib.reading import Section
+from sidmacib.quantities import FORMULA, Length, Number, one_of, shown
+from sidmacib.reading import Section, Some, Text
 from workflow.case import REFERENCE
-from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
-from workflow.schema.campaign import Campaign
-from workflow.schema.dem import DemSection, NumericsChanges
 from workflow.schema.joint import (
+    AssemblySection,
+    CalibrationSection,
     GeometrySection,
     MaterialsSection,
     PartSection,
+    Pieces,
     SampleSection,
+    SamplingSection,
+    VariantSection,
 )
-from workflow.schema.measured import MeasuredSection
-from workflow.schema.sampling import CalibrationSection, SamplingSection
-from workflow.schema.sidmacib import SidmacibSection
-from workflow.schema.structures import StructureSection
-from workflow.schema.values import Eccentricities, Folder, Lengths, Name, Positive
+from workflow.schema.models import DemSection, NumericsChanges, SidmacibSection
+from workflow.schema.values import Eccentricities, Eccentricity, Folder, Lengths, Name, Positive
+
+STUDIES = Path(__file__).parents[2] / "studies"
+
+
+Campaign = Annotated[str, one_of(sorted(path.parent.name for path in STUDIES.glob("*/rules.smk")))]
+LONGEST = 500  # letters of a source
+FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a reference there
+# What the tables of all models depend on; the engines' numerics are not part of it. With further
+# sections it is a study still.
+_TABLES = (
+    *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
+    *("models", "sidmacib"),
+)
+
+
+def required_sections(name: str) -> tuple[str, ...]:
+    """Sections of the configuration that the campaign ``name`` requires."""
+    package = importlib.import_module(f"studies.{name}")
+    return tuple(getattr(package, "REQUIRED_SECTIONS", ()))
+
+
+def words(value: Any) -> str:
+    """Text in one line."""
+    text = " ".join(value.split()) if isinstance(value, str) else ""
+    if not text or len(text) > LONGEST or not text.isprintable():
+        raise ValueError(
+            f"{shown(value)} is not allowed; it must be text of at most {LONGEST} letters"
+        )
+    return text
+
+
+def cell(value: Any) -> str:
+    """Text in one line that no spreadsheet takes for a formula."""
+    text = words(value)
+    if text.startswith(FORMULA):
+        raise ValueError(
+            f"{shown(value)} is not allowed; it must not begin with {' '.join(FORMULA)}, as a "
+            "spreadsheet would take it for a formula"
+        )
+    return text
+
+
+Words = Annotated[str, BeforeValidator(words)]
+_Cell = Annotated[str, BeforeValidator(cell)]
+_Force = Annotated[float, Number(above=0, unit="N")]
+_Torque = Annotated[float, Number(above=0, unit="N m")]
+
+
+class MeasuredLoad(Section):
+    """A measured load: its shear V (N) or its torque M (N m), at an eccentricity e / a."""
+
+    sample: Name
+    eccentricity: Eccentricity
+    shear: _Force | None = None
+    torque: _Torque | None = None
+    specimen: _Cell | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        needed = "torque" if math.isinf(self.eccentricity) else "shear"
+        if needed == "shear" and self.eccentricity > 0.0 and self.shear is None:
+            needed = "torque"
+        other = {"shear": "torque", "torque": "shear"}[needed]
+        if getattr(self, needed) is None or getattr(self, other) is not None:
+            raise ValueError(
+                "one of shear (N) and torque (N m) must be given, shear alone where the "
+                "eccentricity is 0, torque alone in torsion"
+            )
+        return self
+
+    def components(self, a: float) -> tuple[float, float]:
+        """Shear (N) and torque (N m), where locks are ``a`` (m) long."""
+        if math.isinf(self.eccentricity):
+            return 0.0, self.torque or 0.0
+        arm = self.eccentricity * a
+        shear = self.shear if self.shear is not None else (self.torque or 0.0) / arm
+        return shear, shear * arm
+
+
+class MeasuredSection(Section):
+    """Measured loads of one campaign; ``source``: where they stand, ``digitised``: how read."""
+
+    source: Words
+    digitised: Words
+    loads: tuple[MeasuredLoad, ...]
+
+
+_Description = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": FILE})]
+_Changes = Annotated[dict[Text, Any], WithJsonSchema({"type": "object"})]
+_Load = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": f"{FILE}#/$defs/LoadSection"})]
+
+
+class StructureSection(Section):
+    """A structure of blocks: a ``file`` of `multilock assembly`, or its ``description`` here.
+
+    ``file``: beside the configuration. ``models``: which of the study's models and engines analyse
+    it, by default all that can. ``loads``: by name, in place of the load in the description.
+    ``variants``: by name, changes to the description, where null leaves a key out; they run beside
+    the reference variant.
+    """
+
+    file: Annotated[str, Some] | None = None
+    description: _Description | None = None
+    models: tuple[str, ...] | None = None
+    loads: dict[Name, _Load] = Field(default_factory=dict)
+    variants: dict[Name, _Changes] = Field(default_factory=dict)
 
 
 class FiguresSection(Section):
@@ -31,14 +138,6 @@ class FiguresSection(Section):
 
     mesh: Length | None = None
     eccentricity: Positive = 0.5
-
-
-# What the tables of all models depend on; the engines' numerics are not part of it. With further
-# sections it is a study still.
-_TABLES = (
-    *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
-    *("models", "sidmacib"),
-)
 
 
 class Study(Section):
@@ -114,39 +213,21 @@ class Study(Section):
             failure=assembly.failure,
             upper_body=assembly.upper_body,
             hold_down=assembly.hold_down,
-            elastic=self._block(change.young) if assembly.pieces is Pieces.ELASTIC else None,
+            elastic=Elastic(change.young or self.materials.young, self.materials.poisson)
+            if assembly.pieces is Pieces.ELASTIC
+            else None,
         )
 
-    def _block(self, young: float | None) -> Elastic:
-        return Elastic(young or self.materials.young, self.materials.poisson)
+    def part(self, *sections: str) -> str:
+        """What the tables of all models depend on, and further ``sections``, as JSON.
 
-    def tables_json(self) -> str:
-        """The part of the study that the tables depend on, as JSON."""
-        return self._selected()
-
-    def measured_json(self) -> str:
-        """The part of the study that the comparison with measured loads depends on, as JSON."""
-        return self._selected("measured")
-
-    def pieces_json(self) -> str:
-        """The part of the study that models without an engine depend on, as JSON."""
-        return self._selected("variants")
-
-    def figures_json(self) -> str:
-        """The part of the study that the figures depend on, as JSON."""
-        return self._selected("variants", "figures", "measured")
+        A valid study, of the engines' names only.
+        """
+        chosen: dict[str, Any] = dict.fromkeys((*_TABLES, *sections), True)
+        return self.model_dump_json(include={**chosen, "dem": {"engines"}})
 
     def structures_json(self) -> str:
         """The structures and the models that analyse them, as JSON."""
         return self.model_dump_json(
             include={"structures": True, "models": True, "dem": {"engines"}}
         )
-
-    def calibration_json(self) -> str:
-        """The part of the study that the calibration depends on, as JSON."""
-        return self.model_dump_json(include={*_TABLES, "dem", "calibration"})
-
-    def _selected(self, *sections: str) -> str:
-        """`_TABLES`, the engines' names and some ``sections``: a valid study."""
-        chosen: dict[str, Any] = dict.fromkeys((*_TABLES, *sections), True)
-        return self.model_dump_json(include={**chosen, "dem": {"engines"}})

@@ -16,9 +16,8 @@ from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import OUTPUTS
 from sidmacib.errors import CapacityError, ResultError
 from workflow.case import Case
-from workflow.results.files import BROKE_DOWN, CASE
-from workflow.results.record import Record, record_of, record_without_result, write_record
-from workflow.run.step import Arguments, Files, KilledError, step
+from workflow.results.record import BROKE_DOWN, CASE, Record, record_of, record_without_result
+from workflow.step import Arguments, Files, KilledError, step
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
@@ -42,7 +41,7 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
             found = record_without_result(case, error=f"{case.model}: {_in_short(error)}")
             wrong = reason
         _say(result, _in_short(error))
-    write_record(found, record)
+    record.write_text(found.to_json() + "\n")
     return wrong
 
 

@@ -1,10 +1,16 @@
-"""Solve a batch of a sampling's joints in all directions, on two meshes, and write their rows."""
+"""Solve a batch of a sampling's joints in all directions, on two meshes, and write their rows.
+
+Then join the batches of all samplings: one row for each joint and direction, loads over T0.
+"""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from itertools import product
 from typing import Any
+
+import numpy as np
+import pandas as pd
 
 from sidmacib.errors import CapacityError, ResultError
 from sidmacib.joint.joint import Direction, Joint
@@ -13,9 +19,9 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import limit, static
 from workflow.case import REFERENCE, Case, JointSubject, case_name
 from workflow.results.joint_part import JointRecord
-from workflow.run.step import Arguments, Files, step
-from workflow.sampling import SampledJoint
-from workflow.steps.joints import joints_of, write_rows
+from workflow.results.tables import SAMPLINGS, write_table
+from workflow.sampling import SampledJoint, joints_of
+from workflow.step import Arguments, FileLists, Files, step
 from workflow.steps.solve import solved
 
 BELOW = 0.999  # of a side: a mesh must be less than the side
@@ -26,8 +32,9 @@ SOLVED = {"static": static.solve_once, "limit": limit.solve}
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the rows of a batch."""
     asked = (arguments[key] for key in ("eccentricities", "cells", "limited"))
-    rows = solved_rows(joints_of(arguments), *asked)
-    write_rows(arguments["name"], rows, outputs["joints"])
+    rows = pd.DataFrame(solved_rows(joints_of(arguments), *asked))
+    rows.insert(0, "sampling", arguments["name"])
+    rows.to_parquet(outputs["joints"], compression="zstd")
 
 
 def solved_rows(
@@ -114,5 +121,18 @@ def _loads(joint: Joint, coarse: JointRecord, fine: JointRecord) -> dict[str, An
     }
 
 
+def samplings_table(batches: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The rows of all ``batches``."""
+    table = pd.concat(batches, ignore_index=True).reindex(columns=SAMPLINGS.columns)
+    table["stiffness_ratio"] = table["stiffness_ratio"].replace(np.inf, np.nan)  # rigid pieces
+    return table
+
+
+def join_batches(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
+    """Put the batches of all samplings together."""
+    table = samplings_table([*map(pd.read_parquet, inputs["batches"])])
+    write_table(SAMPLINGS, table, outputs["samplings"])
+
+
 if __name__ == "__main__":
-    step(run)
+    step(run, samplings=join_batches)

@@ -1,28 +1,51 @@
-"""Solve a batch of cases in this process, check what comes out, and write records and tables."""
+"""Solve a batch of cases in this process, check what comes out, and write records and tables.
+
+On request, also the files of one of these cases, like those in an engine's folder.
+"""
 
 import importlib
+import json
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
+from sidmacib.engines.scripts.records import HISTORY, NODES
 from sidmacib.errors import CapacityError, ResultError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.model import Ability
 from sidmacib.models import MODELS
 from sidmacib.problem import Outcome, Problem
-from workflow.case import Case
-from workflow.results.record import Record, record_of, record_without_result
-from workflow.run.step import Arguments, Files, step
+from workflow.case import Case, JointCase
+from workflow.results.record import (
+    BATCH_HISTORY,
+    BATCH_NODES,
+    CASE,
+    RECORD,
+    Record,
+    read_records,
+    record_of,
+    record_without_result,
+)
+from workflow.step import Arguments, Files, step
 
 Solve = Callable[[Problem], Outcome]
 Solved = tuple[Record[Any], Assembly, Outcome]
 HISTORY_COLUMNS = ("load_N", "displacement_m")
+LOADS = {
+    "peak_load_N": "load_N",
+    "failed_load_N": "failed_load_N",
+    "first_failure_load_N": "first_failure_load_N",
+    "mode": "mode",
+    "peak_spread": "peak_spread",
+    "error": "error",
+}
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
@@ -116,5 +139,23 @@ def _named(names: Iterable[str], index: Any) -> pa.Array:
     return plain.cast(pa.string())
 
 
+def write_case_files(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write the description, nodes, history, loads and record of the case."""
+    case, records, result = (
+        JointCase.from_json(arguments["case"]),
+        inputs["records"],
+        outputs["result"],
+    )
+    folder = result.parent
+    (record,) = (each for each in read_records([records]) if each.name == case.name)
+    (folder / CASE).write_text(case.to_json())
+    for source, target in ((BATCH_NODES, NODES), (BATCH_HISTORY, HISTORY)):
+        rows = pd.read_parquet(records.with_name(source), filters=[("case", "==", case.name)])
+        rows.drop(columns="case").to_csv(folder / target, index=False, float_format="%.10g")
+    loads = {key: getattr(record, name) for key, name in LOADS.items()}
+    result.write_text(json.dumps(loads, indent=1) + "\n")
+    (folder / RECORD).write_text(record.to_json() + "\n")
+
+
 if __name__ == "__main__":
-    step(run)
+    step(run, case_files=write_case_files)

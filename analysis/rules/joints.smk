@@ -1,0 +1,155 @@
+# Joints: tables from the results of the cases, figures and summary; check that every case has a result.
+from analysis.figures.catalogue import drawn_files, figures_of
+
+PUBLISHED = ("analysis/published.yaml",)
+
+
+# Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
+rule collect:
+    input:
+        records=records_of(JointSubject.kind),
+    output:
+        weights=shown("tables/weights.csv"),
+        weight_sums=shown("tables/weight_sums.csv"),
+        cases=shown("tables/cases.csv"),
+        models=shown("tables/models.csv"),
+    log:
+        below("logs/collect.log"),
+    params:
+        cases=[case.id for case in JOBS.joints.values()],
+        code=code("analysis.tables.collect", JointSubject.modules),
+    message:
+        "Collect the cases' results"
+    script:
+        "../tables/collect.py"
+
+
+rule capacity:
+    input:
+        cases=rules.collect.output.cases,
+        weights=rules.collect.output.weights,
+    output:
+        capacity=shown("tables/capacity.csv"),
+        envelopes=shown("tables/envelopes.csv"),
+    log:
+        below("logs/capacity.log"),
+    group:
+        "tables"
+    params:
+        study=lambda wildcards: STUDY.part(),
+        code=code("analysis.tables.capacity", files=PUBLISHED),
+    message:
+        "Solve SiDMACIB and tabulate all capacities"
+    script:
+        "../tables/capacity.py"
+
+
+rule comparisons:
+    input:
+        capacity=rules.capacity.output.capacity,
+        weights=rules.collect.output.weights,
+        weight_sums=rules.collect.output.weight_sums,
+    output:
+        **{"measured": shown("tables/measured.csv")} if STUDY.measured is not None else {},
+        fit=shown("tables/fit.csv"),
+        best_fit=shown("tables/best_fit.csv"),
+        variants=shown("tables/variants.csv"),
+        validation=shown("tables/validation.csv"),
+    log:
+        below("logs/comparisons.log"),
+    group:
+        "tables"
+    params:
+        study=lambda wildcards: STUDY.part("variants", "measured"),
+        code=code("analysis.tables.comparisons", files=PUBLISHED),
+    message:
+        "Fit SiDMACIB, and compare variants, published and measured numbers"
+    script:
+        "../tables/comparisons.py"
+
+
+FIGURES = figures_of(STUDY, DETAILED, JOBS.joints.values())
+STRESSES = {  # by figure, the record of the case whose stresses it shows
+    name: RECORDS[figure.case.folder] for name, figure in FIGURES.items() if figure.case is not None
+}
+
+
+rule figures:
+    input:
+        **STRESSES,
+        capacity=rules.capacity.output.capacity,
+        validation=rules.comparisons.output.validation,
+        models=rules.collect.output.models,
+        envelopes=rules.capacity.output.envelopes,
+        variants=rules.comparisons.output.variants,
+    output:
+        figures=[shown(name) for name in drawn_files(FIGURES)],
+    log:
+        below("logs/figures.log"),
+    group:
+        "tables"
+    params:
+        study=lambda wildcards: STUDY.part("variants", "figures", "measured"),
+        detailed_models=DETAILED,
+        code=code("analysis.figures.draw", JointSubject.modules, PUBLISHED),
+    message:
+        "Draw the figures"
+    script:
+        "../figures/draw.py"
+
+
+rule summary:
+    input:
+        validation=rules.comparisons.output.validation,
+        fit=rules.comparisons.output.fit,
+        best_fit=rules.comparisons.output.best_fit,
+        capacity=rules.capacity.output.capacity,
+        cases=rules.collect.output.cases,
+    output:
+        summary=below("summary.txt"),
+    log:
+        below("logs/summary.log"),
+    group:
+        "tables"
+    params:
+        results=lambda wildcards: STUDY.results,
+        meshes=STUDY.meshes,
+        ductile=[
+            name
+            for name, change in STUDY.every_variant.items()
+            if change.assembly(STUDY.assembly).failure == "ductile"
+        ],
+        code=code("analysis.summary.summary"),
+    message:
+        "Write the summary"
+    script:
+        "../summary/summary.py"
+
+
+# Not in a group: a failing group loses all its outputs, and this rule fails if a case has no result.
+rule complete:
+    input:
+        cases=rules.collect.output.cases,
+        summary=rules.summary.output.summary,
+    output:
+        mark=below(".complete"),
+    log:
+        below("logs/complete.log"),
+    params:
+        code=code("analysis.summary.summary"),
+    message:
+        "Check that every case has a result"
+    script:
+        "../summary/summary.py"
+
+
+REPORT_INPUTS |= {
+    "validation": rules.comparisons.output.validation,
+    "capacity": rules.capacity.output.capacity,
+    "weights": rules.collect.output.weights,
+    "cases": rules.collect.output.cases,
+    "fit": rules.comparisons.output.fit,
+    "best_fit": rules.comparisons.output.best_fit,
+    "variants": rules.comparisons.output.variants,
+    "summary": rules.summary.output.summary,
+}

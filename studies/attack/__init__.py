@@ -1,1 +1,0 @@
-"""Search, by an optimiser, for joints whose safe load comes closest to their capacity."""

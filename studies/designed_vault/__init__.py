@@ -1,1 +1,0 @@
-"""A barrel vault from a file of COMPAS to the locks that it needs."""

@@ -1,1 +1,0 @@
-"""Elastic blocks, from soft to rigid."""

@@ -1,1 +1,0 @@
-"""A flat vault of blocks that lean on each other."""

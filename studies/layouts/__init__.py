@@ -1,1 +1,0 @@
-"""The published joints on three layouts of the contact nodes."""

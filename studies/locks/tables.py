@@ -1,0 +1,296 @@
+"""Tables of the campaign from its points: a joint in a direction, with every model's load over T0.
+
+Errors of law, safe rule and the paper's rules against the static model, region by region. V-M
+interaction curves: do pure shear and pure torsion determine the loads in between? The curve
+(V / V0)^p + (M / M0)^p = 1 goes through both ends; p = 1 is the straight line. Gain of bonds that
+soften or yield over the first failure, and safety of (n - 1) / 2 with it.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points.programme import Sidmacib, capacities
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.mechanics.assembly import Failure, Floats
+from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
+from workflow.step import Arguments, Files, step
+
+POINTS = Table(  # loads over T0
+    "points",
+    (
+        *SAMPLINGS.columns[:-1],
+        *("pairs", "closed_form", "saturation", "law", "safe", "law_error", "error"),
+    ),
+    SAMPLINGS.key,
+)
+ALL = "all"
+KNOWN = 0.5  # mesh error from which on the static model has no answer to compare with
+GROUPS = ((2, 3), (4, 5), (6, 9), (10, 15), (16, 31))  # numbers of locks in one row of a table
+QUANTITIES = {  # what is compared with what
+    "law / first failure": ("law", "first_failure"),
+    "safe / peak": ("safe", "peak"),
+    "closed form / first failure": ("closed_form", "first_failure"),
+}
+JOINT = ["sampling", "number"]
+REGION = ("sampling", "held", "dry_faces", "upper_body", "eccentricity_over_a")
+SPREAD = (
+    *("points", "mean_error", "mean_absolute_error", "least_error"),
+    *("error_5_percent", "error_95_percent", "largest_error"),
+)
+LAW = Table("law", ("quantity", *REGION, *SPREAD), ("quantity", *REGION), digits=4)
+RULE_ERRORS = Table(
+    "rules",
+    ("rule", "option", "upper_body", "locks", *SPREAD, "unsafe_share"),
+    ("rule", "option", "upper_body", "locks"),
+    digits=4,
+)
+EXPONENTS = (1.0, 1.25, 1.5, 2.0)
+BETWEEN = ("sampling", "dry_faces", "upper_body", "eccentricity_over_a")
+INTERACTION = Table(
+    "interaction", ("exponent", *BETWEEN, *SPREAD), ("exponent", *BETWEEN), digits=4
+)
+ENERGIES = ((1.0, 10.0), (10.0, 100.0), (100.0, 1000.0))  # fracture energy over energy stored
+BONDS = Table(
+    "bonds",
+    (
+        *("bonds", "upper_body", "eccentricity_over_a", "points", "mean_peak_over_first_failure"),
+        *("largest_peak_over_first_failure", "mean_peak_over_pairs", "unsafe_share_of_half"),
+    ),
+    ("bonds", "upper_body", "eccentricity_over_a"),
+    digits=4,
+)
+
+
+def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The table of samplings, joined with the batches of the law's ``answers``."""
+    law = pd.concat(answers, ignore_index=True)
+    keys = list(SAMPLINGS.key)
+    points = solved.merge(law, on=keys, how="left", validate="1:1")
+    return points[list(POINTS.columns)]
+
+
+def join_points(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
+    """Write the table."""
+    solved = read_table(SAMPLINGS, inputs["samplings"])
+    points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
+    write_table(POINTS, points, outputs["points"])
+
+
+def spread(error: "pd.Series[float]") -> dict[str, float]:
+    """Mean, mean size, extremes and quantiles of relative errors."""
+    return {
+        "points": len(error),
+        "mean_error": float(error.mean()),
+        "mean_absolute_error": float(error.abs().mean()),
+        "least_error": float(error.min()),
+        "error_5_percent": float(error.quantile(0.05)),
+        "error_95_percent": float(error.quantile(0.95)),
+        "largest_error": float(error.max()),
+    }
+
+
+def known(points: pd.DataFrame) -> "pd.Series[bool]":
+    """Points with a static answer governed by bonds that is nearly the same on both meshes."""
+    decided = points["first_failure"].gt(0.0) & points["mode"].eq("bonds")
+    return decided & points["first_failure_mesh_error"].abs().lt(KNOWN)
+
+
+def by_region(
+    points: pd.DataFrame, error: "pd.Series[float]", *groups: Sequence[str]
+) -> Iterator[dict[str, Any]]:
+    """Spread of the ``error`` at ``points`` in each region of each of ``groups`` of columns.
+
+    A column of the first group is `ALL` where another group lacks it.
+    """
+    for keys in groups:
+        for values, part in error.groupby([points[key] for key in keys], sort=True):
+            region = dict.fromkeys(groups[0], ALL) | dict(zip(keys, values, strict=True))
+            yield {**region, **spread(part)}
+
+
+def table_of(table: Table, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Rows of regions as a table; an eccentricity may be `ALL`."""
+    frame = pd.DataFrame(rows, columns=list(table.columns))
+    return frame.astype({"eccentricity_over_a": str})
+
+
+def dry_faces(points: pd.DataFrame) -> Sequence[str]:
+    """Whether the dry faces of each point's joint are rough or smooth."""
+    return ["rough" if friction > 0.0 else "smooth" for friction in points["friction"]]
+
+
+def law_table(points: pd.DataFrame) -> pd.DataFrame:
+    """One row for each quantity and region, and for all regions of a sampling together.
+
+    Points that are not `known` are left out. The closed form is compared in pure shear of smooth
+    joints under a plate only, for which it is derived.
+    """
+    points = points[known(points)]
+    points = points.assign(
+        held=points["plate"].map({True: "plate", False: "pressed"}), dry_faces=dry_faces(points)
+    )
+    both_bodies = [name for name in REGION if name != "upper_body"]
+    rows: list[dict[str, Any]] = []
+    for name, (value, reference) in QUANTITIES.items():
+        part = points[points[value].gt(0.0) & points[reference].gt(0.0)]
+        if value == "closed_form":
+            smooth = part["held"].eq("plate") & part["dry_faces"].eq("smooth")
+            part = part[smooth & part["eccentricity_over_a"].eq(0.0)]
+        error = part[value] / part[reference] - 1.0
+        regions = by_region(part, error, REGION, both_bodies, ["sampling"])
+        rows += [{"quantity": name, **row} for row in regions]
+    return table_of(LAW, rows)
+
+
+def unit_loads(option: ContactOption, ratios: Sequence[float]) -> Floats:
+    """SiDMACIB's load over T0 for each lock that counts, along directions e / a, (D,).
+
+    Without friction, loads are proportional to the number of locks that count.
+    """
+    joint = Joint(3)
+    model = Sidmacib(joint, option, friction=False)
+    loads = [point.load for point in capacities(model, [Direction(ratio) for ratio in ratios])]
+    return np.array(loads) / (joint.locks * joint.T0)
+
+
+def brittle_odd_joints(points: pd.DataFrame) -> pd.DataFrame:
+    """The joints that the paper's rules are for: odd, under a plate, with brittle bonds."""
+    chosen = points["plate"] & points["peak"].gt(0.0) & points["locks"].mod(2).eq(1)
+    return points[chosen & points["failure"].eq("brittle")]
+
+
+def counted_locks(points: pd.DataFrame) -> dict[str, Floats]:
+    """Number of locks that count by each of the paper's rules, at each of ``points``, (N,).
+
+    Weights are those of the same joint in pure shear.
+    """
+    pure = points[points["eccentricity_over_a"].eq(0.0)].set_index(JOINT)
+    joint = pd.MultiIndex.from_frame(points[JOINT])
+    weights = pure[["weight_sum", "lower_weight_sum"]].reindex(joint).to_numpy()
+    locks = points["locks"].to_numpy(dtype=float)
+    return {
+        "none": locks,
+        "half": (locks - 1.0) / 2.0,
+        "floor_of_sum": np.floor(weights[:, 0]),
+        "lower_sum": weights[:, 1],
+    }
+
+
+def rule_errors(points: pd.DataFrame, option: str) -> dict[str, "pd.Series[float]"]:
+    """Load by each rule with an ``option`` over the brittle peak, less one, by point."""
+    ratios = sorted(set(points["eccentricity_over_a"]))
+    loads = dict(zip(ratios, unit_loads(OPTIONS[option], ratios), strict=True))
+    of_one = points["eccentricity_over_a"].map(loads) / points["peak"]
+    return {rule: locks * of_one - 1.0 for rule, locks in counted_locks(points).items()}
+
+
+def rules_table(points: pd.DataFrame) -> pd.DataFrame:
+    """The paper's rules against the brittle peak: odd joints under a plate, by number of locks."""
+    points = brittle_odd_joints(points)
+    rows = []
+    for option in OPTIONS:
+        for rule, error in rule_errors(points, option).items():
+            for (body, locks), chosen in by_locks(points):
+                part = error[chosen].dropna()
+                if len(part):
+                    names = {"rule": rule, "option": option, "upper_body": body, "locks": locks}
+                    unsafe = float((part > 0.0).mean())
+                    rows.append({**names, **spread(part), "unsafe_share": unsafe})
+    return pd.DataFrame(rows, columns=list(RULE_ERRORS.columns))
+
+
+def by_locks(joints: pd.DataFrame) -> Iterator[tuple[tuple[str, str], "pd.Series[bool]"]]:
+    """Each upper body and group of numbers of locks, and which rows of ``joints`` belong to it."""
+    for body, (least, most) in product(sorted(set(joints["upper_body"])), GROUPS):
+        chosen = joints["upper_body"].eq(body) & joints["locks"].between(least, most)
+        yield (body, f"{least} to {most}"), chosen
+
+
+def curve(shear: float, torsion: float, ratio: float, exponent: float) -> float:
+    """Load along e / a on the curve through the loads at both ends, in the unit of these.
+
+    ``torsion``: M0 / a. Raises ValueError unless 0 < ``ratio`` < inf.
+    """
+    if not 0.0 < ratio < math.inf:
+        raise ValueError(f"ratio: {ratio:g} is not allowed; it must be more than 0 and finite")
+    part = np.array([1.0, ratio]) / math.hypot(1.0, ratio)
+    return float(
+        ((part[0] / shear) ** exponent + (part[1] / torsion) ** exponent) ** -(1 / exponent)
+    )
+
+
+def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
+    """Errors of the curves, by region and for all directions of a region together."""
+    points = points[points["plate"] & known(points) & points["failure"].eq("brittle")]
+    points = points.assign(dry_faces=dry_faces(points))
+    by_ratio = points.set_index([*JOINT, "eccentricity_over_a"])["first_failure"]
+
+    def at(ratio: float) -> Floats:
+        """First failures of each point's joint in another direction; nan: unknown."""
+        joints = points[JOINT].assign(ratio=ratio)
+        return by_ratio.reindex(pd.MultiIndex.from_frame(joints)).to_numpy()
+
+    between = points.assign(shear=at(0.0), torsion=at(math.inf)).dropna(subset=["shear", "torsion"])
+    ratio = between["eccentricity_over_a"]
+    between = between[ratio.gt(0.0) & ratio.lt(math.inf)]
+    directions = between[["shear", "torsion", "eccentricity_over_a"]].to_numpy().tolist()
+    rows: list[dict[str, Any]] = []
+    for exponent in EXPONENTS:
+        loads = [curve(shear, torsion, e, exponent) for shear, torsion, e in directions]
+        error = np.array(loads) / between["first_failure"] - 1.0
+        regions = by_region(between, error, BETWEEN, BETWEEN[:-1])
+        rows += [{"exponent": exponent, **row} for row in regions]
+    return table_of(INTERACTION, rows)
+
+
+def bonds_table(points: pd.DataFrame) -> pd.DataFrame:
+    """Peaks over first failures and over numbers of pairs, of joints under a plate, by bonds."""
+    bears = points["plate"] & points["peak"].gt(0.0) & points["pairs"].gt(0)
+    points = points[bears & points["stiffness_ratio"].isna()]
+    points = points.assign(
+        bonds=[_kind(*each) for each in points[["failure", "energy_ratio"]].values],
+        more=points["peak"] / points["first_failure"] - 1.0,
+        of_pairs=points["peak"] / points["pairs"],
+    )
+    rows = []
+    keys = ["bonds", "upper_body", "eccentricity_over_a"]
+    for values, group in points.groupby(keys, sort=True):
+        odd = group[group["locks"].mod(2).eq(1) & group["eccentricity_over_a"].eq(0.0)]
+        below = odd["of_pairs"] < 1.0 - 1e-3
+        rows.append(
+            {
+                **dict(zip(keys, values, strict=True)),
+                "points": len(group),
+                "mean_peak_over_first_failure": 1.0 + float(group["more"].mean()),
+                "largest_peak_over_first_failure": 1.0 + float(group["more"].max()),
+                "mean_peak_over_pairs": float(group["of_pairs"].mean()),
+                "unsafe_share_of_half": float(below.mean()) if len(odd) else np.nan,
+            }
+        )
+    return pd.DataFrame(rows, columns=list(BONDS.columns))
+
+
+def _kind(failure: str, ratio: float) -> str:
+    if failure != Failure.SOFTENING:
+        return failure
+    least, most = next((span for span in ENERGIES if ratio <= span[1]), ENERGIES[-1])
+    return f"softening, {least:g} to {most:g}"
+
+
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write all tables but that of the points."""
+    points = read_table(POINTS, inputs["points"])
+    write_table(LAW, law_table(points), outputs["law"])
+    write_table(RULE_ERRORS, rules_table(points), outputs["rules"])
+    write_table(INTERACTION, interaction_table(points), outputs["interaction"])
+    write_table(BONDS, bonds_table(points), outputs["bonds"])
+
+
+if __name__ == "__main__":
+    step(run, points=join_points)

@@ -1,1 +1,0 @@
-"""Joints that were measured, and what a test would have to measure."""

@@ -1,1 +1,0 @@
-"""The published study, whose configuration is `config.yaml` of the checkout."""

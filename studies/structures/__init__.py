@@ -1,1 +1,0 @@
-"""Structures of blocks against published answers, hand formulas and other programs."""

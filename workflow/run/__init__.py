@@ -1,1 +1,0 @@
-"""A run of a study: its process, results folder, jobs and progress output."""

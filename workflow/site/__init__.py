@@ -1,1 +1,0 @@
-"""Pages and equations of the site that `make docs` builds."""
