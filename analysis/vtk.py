@@ -21,10 +21,11 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.analysis.rows import InterfaceRow
+from sidmacib.structure.blocks import solids_of
 from workflow.case import JointCase, StructureCase
 from workflow.results.record import read_records
-from workflow.results.structure_part import InterfaceRow, StructurePart
+from workflow.results.structure_part import StructurePart
 from workflow.step import Arguments, FileLists, step
 
 CORNERS = np.array(
@@ -91,19 +92,9 @@ def _shapes(piece: Piece) -> Iterator[tuple[str, Floats]]:
     if isinstance(piece, Cuboid):
         low, high = np.array(piece.low), np.array(piece.high)
         yield "hexahedron", low + CORNERS * (high - low)
-    for outline in outlines(piece):
-        yield _polygon(len(outline)), outline
-
-
-def outlines(piece: Piece) -> Iterator[Floats]:
-    """The faces of a piece, (K, 3) in m each."""
-    solids: Sequence[Block] = ()
-    if isinstance(piece, Compound):
-        solids = piece.solids
-    elif isinstance(piece, Block):
-        solids = (piece,)
-    for solid in solids:
-        yield from solid.outlines
+    for solid in solids_of(piece):
+        for outline in solid.outlines:
+            yield _polygon(len(outline)), outline
 
 
 def nodes_mesh(assembly: Assembly, point: Equilibrium) -> meshio.Mesh:

@@ -6,6 +6,7 @@ COMPAS is imported where it is used: `import sidmacib` needs none of it.
 import importlib
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,8 @@ from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.compas_results import compas_results
-from sidmacib.structure.files.structure_file import assembly_of
-from sidmacib.structure.loads import free_weight, weight_of_free
+from sidmacib.structure.files.structure_file import assembly_of, permanent_of
+from sidmacib.structure.loads import permanent_only
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
@@ -39,10 +40,11 @@ def multilock_solve(
     densities of materials, point, surface and body loads and the contact model (mu, c and t_c in
     Pa) are taken from COMPAS, in m, N and kg.
 
-    ``laws``: the keys `interfaces`, `special`, `locks`, `mesh`, `nodes` and `tolerance` of a
-    structure's file, or the path of one: what COMPAS has no words for. ``limit``: the loads of the
-    problem are raised to their limit, and blocks are moved by the mechanism there; otherwise forces
-    are those under the loads as they are. ``density`` (kg/m3): of blocks whose material has none.
+    ``laws``: the keys `interfaces`, `special`, `locks`, `mesh`, `nodes`, `tolerance` and
+    `permanent` of a structure's file, or the path of one: what COMPAS has no words for. ``limit``:
+    the loads of the problem are raised to their limit, and blocks are moved by the mechanism there;
+    otherwise forces are those under the loads as they are. ``density`` (kg/m3): of blocks whose
+    material has none.
     The ``metadata`` of the results have `load_factor`, the largest multiple of the loads that is
     carried; None where there are none, or where no multiple is too large.
 
@@ -59,11 +61,12 @@ def multilock_solve(
         else:
             _require_densities(model)
         assembly = assembly_of({**described, "blocks": {NAME: blocks}}, Path(folder))
-    weight, given = weight_of_free(assembly), _loads(problem, model, assembly)
+    always = permanent_only(assembly, permanent_of(assembly, described))
+    given = _loads(problem, model, assembly)
     total = float(np.abs(given[:, :3]).sum() + np.abs(given[:, 3:]).sum() / assembly.length)
     if limit and not total:
         raise ValueError("limit: the problem must have loads on free blocks, to be raised")
-    loads = Loads(weight, given / (total or 1.0), max(free_weight(assembly), total))
+    loads = replace(always, variable=given / (total or 1.0), scale=max(always.scale, total))
     if limit:
         state = limit_state(assembly, loads)
         factor: float | None = state.load / total
@@ -113,9 +116,10 @@ def _described(problem: Any, laws: Mapping[str, Any] | str | Path | None) -> dic
     given = read_yaml(Path(laws)) if isinstance(laws, str | Path) else dict(laws or {})
     if not isinstance(given, dict):
         raise refused("laws", given, "a mapping with interfaces, special, locks")
-    for key in ("blocks", "load"):
+    for key in ("blocks", "load", "load_cases"):
         if key in given:
-            raise refused("laws", key, "interfaces, special, locks, mesh, nodes or tolerance")
+            allowed = "interfaces, special, locks, mesh, nodes, tolerance or permanent"
+            raise refused("laws", key, allowed)
     contact = problem.contact_properties.contact_model
     of_problem = {}
     if contact is not None:

@@ -86,6 +86,20 @@ def test_laws_beside_say_what_compas_cannot() -> None:
     assert factor == pytest.approx(1.0)  # now the lower interface slides: 0.2 * 2 W / 0.4 W
 
 
+def test_permanent_loads_beside_press_and_crush() -> None:
+    """On 1 m2; the strength leaves a strip of (W + 10 kN) / f_c, about whose middle it turns."""
+    model = stack()
+    laws = {"permanent": [{"surcharge": {"pascals": 10_000}}]}
+    heavy = multilock_solve(asked(model, 0.2 * WEIGHT), model, laws=laws)
+    factor = 0.3 * (WEIGHT + 10_000) / (0.2 * WEIGHT)
+    assert heavy.metadata["load_factor"] == pytest.approx(factor, rel=1e-6)
+    weak = {"interfaces": {"friction": 2.0, "compressive_strength": 1e5}} | laws
+    found = multilock_solve(asked(model, 0.2 * WEIGHT), model, laws=weak)
+    normal = WEIGHT + 10_000
+    exact = normal * (1.0 - normal / 1e5) / (0.2 * WEIGHT)
+    assert 0.985 <= found.metadata["load_factor"] / exact <= 1.0
+
+
 def test_contacts_of_the_model_have_forces_at_their_corners() -> None:
     model = stack()
     results = multilock_solve(asked(model, 0.2 * WEIGHT), model)

@@ -68,6 +68,16 @@ def test_strength_is_raised_until_the_static_model_carries_the_cases() -> None:
     assert {check.model for check in first.failing} == {"static, peak"}
 
 
+def test_permanent_loads_press_the_joints_of_a_design() -> None:
+    """Friction alone then carries the push: 0.3 times 1413 N and 12,000 N."""
+    given = two_blocks()
+    task = task_of({**given, "permanent": [{"surcharge": {"pascals": 50_000}}]})
+    found = design_of(task, lambda _: None)
+    assert found.passes
+    assert found.cost == 0.0
+    assert designed(task, found.choice)["permanent"] == [{"surcharge": {"pascals": 50_000}}]
+
+
 def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
     given = two_blocks()
     given["design"]["raised"] = 0

@@ -1,6 +1,8 @@
 """What the explorer's page of structures answers: examples, their sliders, and its models."""
 
+from base64 import b64encode
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -145,3 +147,59 @@ def test_structures_are_computed_for_this_page_only(
 ) -> None:
     found = served.post("/structure", {"page": "x", "number": 1, "values": {}}, **headers)
     assert found.status == 403
+
+
+# --- files ---------------------------------------------------------------------------------------
+def send(served: Served, *names: str, **texts: str) -> Answered:
+    """Files of studies/ by name, and others by their texts."""
+    files = {Path(name).name: (STUDIES / name).read_bytes() for name in names}
+    files |= {name.replace("_", "."): text.encode() for name, text in texts.items()}
+    values = {"files": [{"name": n, "data": b64encode(d).decode()} for n, d in files.items()]}
+    return served.post("/file", {"page": "files", "number": 1, "values": values})
+
+
+def test_a_file_that_is_sent_opens_as_the_page_of_the_command(served: Served) -> None:
+    assert served.get("/opened").status == 404
+    assert send(served, "structures/trilith.yaml").content["page"] == "/opened"
+    opened = served.get("/opened")
+    assert opened.status == 200
+    assert "script-src 'unsafe-inline'" in opened.headers["Content-Security-Policy"]
+    rows = structure_rows(structure_of(read_yaml(STUDIES / "structures/trilith.yaml")))
+    for row in rows:
+        assert row["note"] in opened.text
+    assert "multilock assembly trilith.yaml" in opened.text
+
+
+def test_blocks_come_with_the_yaml_that_says_what_they_lack(served: Served) -> None:
+    cube = "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    cube += "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+    blocks = "ground: {low: [0, 0, -1], high: [1, 1, 0], fixed: true}, stones: {file: x.obj}"
+    yaml = (
+        f"blocks: {{{blocks}}}\nload: {{acceleration: [1, 0, 0]}}\ninterfaces: {{friction: 0.4}}\n"
+    )
+    found = send(served, x_obj=cube, x_yaml=yaml).content
+    assert found["error"] is None
+    assert "Peak at 7848 N, 0.4 of the weight" in served.get("/opened").text
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("blocks: {}", "blocks"),
+        ("load: {acceleration: [1, 0, 0]}", "blocks: missing"),
+        ("{", "not YAML"),
+    ],
+)
+def test_a_file_of_something_else_is_refused_in_one_line(
+    served: Served, text: str, error: str
+) -> None:
+    found = send(served, x_yaml=text).content
+    assert found["page"] is None
+    assert error in found["error"]
+    assert "\n" not in found["error"]
+
+
+def test_requests_of_files_are_checked(served: Served) -> None:
+    asked = {"page": "files", "number": 2, "values": {"files": [{"name": "..", "data": ""}]}}
+    assert "must be the name of a file" in served.post("/file", asked).content["error"]
+    assert served.post("/file", {**asked, "values": {"files": "x"}}).status == 400

@@ -8,7 +8,10 @@ import pytest
 from conftest import ROOT
 
 from analysis.report.json_values import headings, words
+from analysis.report.page import ADDRESS, SCRIPTS_OF_PARTS
+from analysis.report.page import SCRIPTS as SCRIPTS_OF_ALL
 from analysis.report.provenance import sample_words
+from sidmacib.scene.page import SCRIPTS
 from workflow.configuration import read_study
 from workflow.results.columns import TABLES
 
@@ -64,8 +67,11 @@ def test_samples_are_told_by_what_tells_them_apart() -> None:
 
 
 def test_the_scripts_of_the_report_declare_no_name_twice() -> None:
-    """They share one scope with those that draw."""
+    """They share one scope with those that draw, as do those of the command's page."""
     declared = re.compile(r"^(?:const|let|function\*?|class) +(\w+)", re.MULTILINE)
-    scripts = [*(ROOT / "analysis/report").glob("*.js"), *(ROOT / "analysis/drawing").glob("*.js")]
-    names = [name for script in scripts for name in declared.findall(script.read_text())]
-    assert [name for name, count in Counter(names).items() if count > 1] == []
+    parts = [script for part in SCRIPTS_OF_PARTS.values() for script in part]
+    of_study = [*SCRIPTS_OF_ALL, *parts, ADDRESS]
+    of_command = [ROOT / "sidmacib/scene" / name for name in SCRIPTS]
+    for scripts in (of_study, of_command):
+        names = [name for script in scripts for name in declared.findall(script.read_text())]
+        assert [name for name, count in Counter(names).items() if count > 1] == []

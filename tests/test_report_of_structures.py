@@ -14,8 +14,8 @@ from structures import ONLY_STRUCTURES, example
 from test_report import MOST_BYTES
 
 from analysis.report.page import content, page
-from analysis.report.solids import shape_of
 from analysis.report.structures import structures_verdict
+from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import StructureCase
 from workflow.command import REPORT

@@ -14,9 +14,13 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRAS = dict(PROJECT["optional-dependencies"])
 STUDY = [*PROJECT["dependencies"], *EXTRAS.pop("study")]
-LOCKS = {
+LOCKS = {  # of extras that add to the study's packages
     "requirements.txt": STUDY,
-    **{f"requirements-{extra}.txt": more for extra, more in EXTRAS.items()},
+    **{
+        f"requirements-{extra}.txt": more
+        for extra, more in EXTRAS.items()
+        if not set(more) <= set(STUDY)
+    },
 }
 PIN = re.compile(
     r"^([A-Za-z0-9._-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M

@@ -106,7 +106,7 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
             continue
         for load, description in cases:
             try:
-                loads_of(assembly, description.get("load"))
+                loads_of(assembly, description.get("load"), description)
             except ValueError as error:
                 yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
 

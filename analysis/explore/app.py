@@ -27,6 +27,7 @@ from analysis.explore.examples import (
     choice_in,
     defaults,
 )
+from analysis.explore.files import report_of
 from analysis.explore.pictures import (
     answers,
     covered,
@@ -48,17 +49,23 @@ from analysis.explore.state import (
     checked,
     from_query,
 )
-from analysis.explore.structures import STAGES, same, structure_answer
+from analysis.explore.structures import FAULTS, STAGES, same, structure_answer
 
 HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
 PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
-DRAWING = HERE.parent / "drawing"
+DRAWING = HERE.parents[1] / "sidmacib/scene"
 FILES = (
     *((HERE / f"{name}.js", SCRIPT) for name in ("controls", "explore", "structures")),
     (HERE / "explore.css", STYLE),
     *((DRAWING / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
+)
+OPENED = "/opened"
+# Of the page of a file, which has its scripts in it and asks for nothing.
+POLICY_OF_FILES = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
 SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
@@ -82,7 +89,9 @@ class Explorer:
             "/answer": self._answer,
             "/curve": self._curve,
             "/structure": self._structure,
+            "/file": self._file,
         }
+        self._opened = ""  # the page of the file that was opened last
         self._pages: dict[str, Callable[[str], str]] = {
             "/": lambda query: page(from_query(query)),
             "/structures": lambda query: structures_page(choice_in(query)),
@@ -120,6 +129,9 @@ class Explorer:
         if request.path in self._pages:
             query = request.query_string.decode("ascii", "replace")
             return Response(self._pages[request.path](query), mimetype="text/html")
+        if request.path == OPENED and self._opened:
+            own = {"Content-Security-Policy": POLICY_OF_FILES}
+            return Response(self._opened, mimetype="text/html", headers=own)
         if request.path == PLOTLY:
             kept = {"Cache-Control": "max-age=86400"}
             return Response(_plotly(), mimetype=SCRIPT, headers=kept)
@@ -178,6 +190,24 @@ class Explorer:
             found = structure_answer(chosen)
         link = f"{request.host_url}structures?{chosen.query}"
         return {**asked.echo, **found, "values": dict(chosen.values), "link": link}
+
+    def _file(self, request: Request) -> dict[str, Any]:
+        """The address of the page of a file that was sent, or what is wrong with it, in a line."""
+        asked = _asked(request, _sent)
+        try:
+            with self._desk.turn(*asked.turn):
+                self._opened = report_of(asked.checked.state)
+        except FAULTS as error:
+            return {**asked.echo, "page": None, "error": " ".join(str(error).split())}
+        return {**asked.echo, "page": OPENED, "error": None}
+
+
+def _sent(values: Mapping[str, object]) -> Checked[list[Any]]:
+    """The files of a request."""
+    files = values.get("files")
+    if not isinstance(files, list) or not all(isinstance(each, dict) for each in files):
+        raise BadRequest("files must be a list of objects with name and data.")
+    return Checked(files, ())
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from werkzeug.exceptions import Forbidden, HTTPException, UnsupportedMediaType
 from werkzeug.wrappers import Request
 
 NAMES = ("127.0.0.1", "localhost", "[::1]")
-MOST_BYTES = 4096  # of a post
-PAGES = ("/", "/structures")
+MOST_BYTES = {"/file": 40_000_000}  # of a post
+MOST_OF_OTHERS = 4096
+PAGES = ("/", "/structures", "/opened")
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; connect-src 'self'; form-action 'none'; base-uri 'none'; "
@@ -50,7 +51,7 @@ def require_own(request: Request, port: int) -> None:
         raise Forbidden("Only this page itself may ask for that.")
     if request.method == "POST" and request.mimetype != "application/json":
         raise UnsupportedMediaType("A post must be application/json.")
-    request.max_content_length = MOST_BYTES
+    request.max_content_length = MOST_BYTES.get(request.path, MOST_OF_OTHERS)
 
 
 def in_one_line(error: HTTPException) -> str:

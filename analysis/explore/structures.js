@@ -7,6 +7,7 @@ const labelOf = (name) => ({ name: [...model.options].find((each) => each.value 
 const firstValues = () => JSON.parse(structure.selectedOptions[0].dataset.first);
 const isPart = (slider) => slider.id in firstValues(); // of the structure
 let latest = 0; // number of the last change
+let latestFile = 0; // and of the last file
 let shown = null; // the answer on the page
 let pause = null; // the timer of the next request
 
@@ -37,7 +38,7 @@ function show(answer) {
   shown = answer;
   for (const name of ["words", "unit", "yaml", "link"]) at(name).textContent = answer[name];
   at("lines").tBodies[0].replaceChildren(...answer.lines.map(tableRow));
-  showStructure(preparedStructure(answer.row, answer.shape, answer.blocks, answer.interfaces));
+  showStructure(preparedStructure(answer.row, answer.shape, answer.blocks, answer.interfaces, answer));
   at("structure-order").textContent = orderOf(drawn);
   at("answer").ariaBusy = "false";
   history.replaceState(null, "", answer.link); // so that the address opens the same structure
@@ -59,6 +60,30 @@ at("save").addEventListener("click", () => {
   if (at("answer").ariaBusy === "true") waiting.push(keep);
   else keep();
 });
+// --- files: the server makes a page of them, which is opened ----------------------------------
+async function inBase64(file) {
+  const url = await new Promise((done, failed) => {
+    const reader = new FileReader();
+    reader.addEventListener("load", () => done(reader.result));
+    reader.addEventListener("error", () => failed(reader.error));
+    reader.readAsDataURL(file);
+  });
+  return { name: file.name, data: url.slice(url.indexOf(",") + 1) };
+}
+
+async function openFiles(files) {
+  if (!files.length) return;
+  at("notes").textContent = `Computing ${[...files].map((file) => file.name).join(", ")} …`;
+  const sent = await Promise.all([...files].map(inBase64));
+  const answer = await post("file", { page: `${PAGE}f`, number: ++latestFile, values: { files: sent } }, "file");
+  at("notes").textContent = "";
+  if (answer && answer.page) location.assign(answer.page);
+  else if (answer) at("problem").textContent = answer.error;
+}
+
+at("open").addEventListener("change", () => openFiles(at("open").files));
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => { event.preventDefault(); openFiles(event.dataTransfer.files); });
 startDrawing();
 listen(changed);
 changed();

@@ -10,11 +10,14 @@ import pandas as pd
 from analysis.drawing.labels import label_of
 from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
 from analysis.report.json_values import json_value
-from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
+from sidmacib.answers.structure_words import answer_words
 from sidmacib.errors import CapacityError, ResultError
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Outcome, Problem
+from sidmacib.scene.loads import arrows_of
+from sidmacib.scene.sections import forces_of
+from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
 from workflow.results.record import record_of, record_without_result
@@ -45,13 +48,15 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
     records = {"limit": limit(same(chosen)), "static": static(same(chosen))}
     table = structures_table([*records.values()])
     rows = {row["model"]: row for row in _plain(table)}
-    drawn = records[chosen.model]
+    drawn, problem = records[chosen.model], structure_of(chosen.description)
     return {
         "words": _words(chosen, rows),
         "unit": "tilt (°)" if EXAMPLES[chosen.example].tilts else "load (N)",
         "lines": _lines(rows),
         "row": rows[chosen.model],
         "shape": _shape(chosen.example, dict(chosen.values).get("locks")),
+        "loads": arrows_of(*problem),
+        **forces_of(problem.assembly, drawn.part.interfaces),
         "blocks": _plain(blocks_table([drawn])),
         "interfaces": _plain(interfaces_table([drawn])),
         "yaml": chosen.text,
@@ -81,8 +86,8 @@ def _lines(rows: dict[str, dict[str, Any]]) -> list[list[Any]]:
     return [_line(label_of("limit").name, limit_row, "", remark), *failures]
 
 
-def _counts(row: dict[str, Any]) -> str:
-    return str(Counts(row["counts"] == PEAK, row["because"]))
+def _counts(row: dict[str, Any]) -> Counts:
+    return Counts(row["counts"] == PEAK, row["because"])
 
 
 def _line(what: str, row: dict[str, Any], part: str, remark: str) -> list[Any]:
@@ -103,16 +108,11 @@ def _words(chosen: Chosen, rows: dict[str, dict[str, Any]]) -> str:
     title = title[0].upper() + title[1:]
     if row["error"]:
         return f"{title}: no answer from the {label_of('static').name}: {_why(row)}."
-    load, weight = row["load_N"], row["load_over_weight"]
-    at = (
-        f"{row['tilt_degrees']:.4g}°"
-        if load is None
-        else f"{load:.4g} N, {weight:.3g} of the weight"
-    )
-    if row["counts"] == FIRST_FAILURE:
-        return f"{title}: first bond failure at {at}; {_counts(row)}."
-    end = "last equilibrium" if EXAMPLES[chosen.example].tilts else "peak"
-    return f"{title}: {end} at {at}; failure mode: {row['mode']}."
+    load, weight = row["tilt_degrees"], None
+    if load is None:
+        load = row["load_N"]
+        weight = load / row["load_over_weight"]
+    return f"{title}: {answer_words(load, weight, _counts(row), row['mode'])}."
 
 
 def _why(row: dict[str, Any]) -> str:

@@ -28,7 +28,7 @@ from workflow.schema import Study
 from workflow.step import Arguments, Files, step
 
 HERE = Path(__file__).parent
-DRAWING = HERE.parent / "drawing"  # shared with the explorer
+DRAWING = HERE.parents[1] / "sidmacib/scene"  # shared with the explorer and the command
 SCRIPTS = (DRAWING / "chart.js", DRAWING / "parts.js", HERE / "report.js")
 SCRIPTS_OF_PARTS = {  # each part has a template, too
     "joints": (HERE / "joints.js", HERE / "paths.js"),
@@ -65,7 +65,7 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
     return environment.get_template("page.html.j2").render(
         data=text,
         plotly=get_plotlyjs(),
-        style=(HERE / "report.css").read_text(),
+        style=(DRAWING / "report.css").read_text(),
         script="".join(script.read_text() for script in scripts),
         parts=parts,
         sections=[section for part in parts for section in SECTIONS[part]],
@@ -122,7 +122,7 @@ def content(
         names += dict.fromkeys(case.subject.structure for case in structures)
         verdict += structures_verdict(tables["structures"])
         shown |= with_room(tables)
-        data["structures"] = structures_content(structures, shown["blocks"])
+        data["structures"] = structures_content(structures, shown["blocks"], shown["interfaces"])
     failed = [
         tables[name]
         .loc[tables[name]["error"].notna(), ["model", column, "error"]]

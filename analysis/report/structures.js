@@ -23,7 +23,7 @@ function chosenRow() {
 function prepared(row) {
   const known = STRUCTURES.cases.find((each) => each.structure === row.structure && each.load === row.load && each.variant === row.variant);
   const key = `${row.model}/${row.case}`;
-  return preparedStructure(row, known.shape === null ? null : STRUCTURES.shapes[known.shape], blocksOf.get(key), interfacesOf.get(key));
+  return preparedStructure(row, known.shape === null ? null : STRUCTURES.shapes[known.shape], blocksOf.get(key), interfacesOf.get(key), { loads: known.loads, ...STRUCTURES.forces[key] });
 }
 
 // --- words -----------------------------------------------------------------------------------

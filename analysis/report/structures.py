@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,15 @@ import pandas as pd
 
 from analysis.drawing.labels import label_of
 from analysis.report.json_values import finding
-from analysis.report.solids import points_of, shape_of
 from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
+from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import FIRST_FAILURE
-from sidmacib.structure.files.structure_file import assembly_of
+from sidmacib.scene.loads import arrows_of
+from sidmacib.scene.sections import forces_of
+from sidmacib.scene.solids import points_of, shape_of
+from sidmacib.structure.analysis.rows import InterfaceRow
 from workflow.case import REFERENCE, StructureCase
 
 LIMIT = "limit"
@@ -23,16 +27,21 @@ MOST_POINTS = 60_000  # of all shapes, for the same reason
 MOST_TOLD = 6  # loads and variants of a structure in the verdict
 
 
-def structures_content(cases: Sequence[StructureCase], blocks: pd.DataFrame) -> dict[str, Any]:
-    """The shapes of structures, and the one that each case has.
+def structures_content(
+    cases: Sequence[StructureCase], blocks: pd.DataFrame, interfaces: pd.DataFrame
+) -> dict[str, Any]:
+    """The shapes of structures, the one that each case has, its loads, reactions and thrust.
 
-    ``cases``: one of each structure, load and variant; ``blocks``: the rows that the page has. A
-    case has no shape if there is no room for it.
+    ``cases``: one of each structure, load and variant; ``blocks``, ``interfaces``: the rows that
+    the page has. A case has no shape if there is no room for it.
     """
     shapes: dict[str, int] = {}
+    assemblies: dict[str, Assembly] = {}
     found, room = [], MOST_POINTS
     for case in cases:
-        shape = shape_of(assembly_of(case.subject.description))
+        problem = case.subject.problem()
+        assemblies[case.name] = problem.assembly
+        shape = shape_of(problem.assembly)
         text = json.dumps(shape)
         if text not in shapes and points_of(shape) <= room:
             room -= points_of(shape)
@@ -43,14 +52,25 @@ def structures_content(cases: Sequence[StructureCase], blocks: pd.DataFrame) -> 
                 "load": case.subject.load,
                 "variant": case.variant,
                 "shape": shapes.get(text),
+                "loads": arrows_of(*problem),
             }
         )
     told = blocks.drop_duplicates(["model", "case"])[["model", "case"]]
     return {
         "shapes": [json.loads(text) for text in shapes],
         "cases": found,
+        "forces": {
+            f"{model}/{case}": forces_of(assemblies[case], _interface_rows(own))
+            for (model, case), own in interfaces.groupby(["model", "case"], sort=False)
+        },
         "told": [f"{row.model}/{row.case}" for row in told.itertuples()],
     }
+
+
+def _interface_rows(table: pd.DataFrame) -> list[InterfaceRow]:
+    names = [field.name for field in fields(InterfaceRow)]
+    rows = table[names].astype(object).where(table[names].notna(), None)
+    return [InterfaceRow(*row) for row in rows.itertuples(index=False)]
 
 
 def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:

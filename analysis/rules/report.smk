@@ -2,9 +2,9 @@
 from workflow.command import REPORT
 
 PAGE_FILES = tuple(  # templates, styles and scripts
-    f"analysis/{folder}/{path.name}"
-    for folder in ("report", "drawing")
-    for path in Path(CHECKOUT, "analysis", folder).iterdir()
+    f"{folder}/{path.name}"
+    for folder in ("analysis/report", "sidmacib/scene")
+    for path in Path(CHECKOUT, folder).iterdir()
     if path.suffix in (".css", ".j2", ".js")
 )
 SHOWN_STRUCTURES = {  # one case of each, whatever its model

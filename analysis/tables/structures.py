@@ -10,9 +10,10 @@ import pandas as pd
 from sidmacib.answers.structure import counting, without_other_meshes
 from sidmacib.models import REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
+from sidmacib.structure.analysis.rows import most_used
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from workflow.results.record import read_records
-from workflow.results.structure_part import InterfaceRow, StructureRecord
+from workflow.results.structure_part import StructureRecord
 from workflow.results.tables import BLOCKS, INTERFACES, MOTION, STRUCTURES, write_table
 from workflow.step import Arguments, FileLists, Files, step
 
@@ -23,7 +24,6 @@ TILTS = {
     "failed_load_N": "failed_tilt_degrees",
     "static_load_N": "static_tilt_degrees",
 }
-NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in the report
 IDENTITY = ("structure", "load", "variant", "model")
 
 
@@ -88,25 +88,6 @@ def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[
         "difference_to_static": load / compared - 1.0 if load is not None and compared else None,
         "case": record.name,
     }
-
-
-def most_used(interfaces: Iterable[InterfaceRow]) -> str | None:
-    """The interface with the largest utilisation among those that carry a force.
-
-    What carries next to nothing may be at its limit without a meaning. None where all are dry: at
-    their peak several slide or turn.
-    """
-    interfaces = tuple(interfaces)
-    if not any(each.bonded_share for each in interfaces):
-        return None
-    carried = {each: math.hypot(each.normal_N, each.shear_N) for each in interfaces}
-    least = NEXT_TO_NOTHING * max(carried.values(), default=0.0)
-    used = {
-        each.interface: each.utilisation
-        for each, force in carried.items()
-        if each.utilisation and force > least
-    }
-    return max(used, key=lambda name: used[name]) if used else None
 
 
 def interfaces_table(records: Iterable[StructureRecord]) -> pd.DataFrame:

@@ -5,6 +5,8 @@ peak, the peak counts. Where one does, how far the peak moves from one mesh to a
 of how far it still will: it counts only if three meshes agree on it, the third with cells of a
 quarter of the size, on which the lowest peak is sought. Otherwise the first failure counts, which
 hardly depends on the mesh.
+
+The model knows no crushing: `sidmacib.answers.verdict` takes that from limit analysis.
 """
 
 from collections.abc import Mapping
@@ -18,6 +20,7 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Counts, Failures, MeshErrors, Problem
 from sidmacib.structure.analysis.mesh_error import structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
+from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined
 
 HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
@@ -96,6 +99,11 @@ def static_answer(problem: Problem) -> StaticAnswer:
 
     `CapacityError` if it has none; `NoEquilibriumError` in the words of `DOES_NOT_STAND`.
     """
+    with naming_permanent(problem.loads):
+        return _answered(problem)
+
+
+def _answered(problem: Problem) -> StaticAnswer:
     found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)

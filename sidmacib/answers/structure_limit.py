@@ -6,6 +6,7 @@ Apart from the static model's answers, so that following a path loads no solver 
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.polygons import CondensedLocks
+from sidmacib.structure.loads import naming_permanent
 
 
 def limit_state(assembly: Assembly, loads: Loads, most: float | None = None) -> LimitState:
@@ -13,8 +14,9 @@ def limit_state(assembly: Assembly, loads: Loads, most: float | None = None) -> 
 
     `sidmacib.errors.CapacityError` if there is none, or if the structure does not stand.
     """
-    require_standing(assembly, loads, friction=True)
-    return limit_load(assembly, loads, friction=True, most=most)
+    with naming_permanent(loads):
+        require_standing(assembly, loads, friction=True)
+        return limit_load(assembly, loads, friction=True, most=most)
 
 
 def assumes(assembly: Assembly) -> str:

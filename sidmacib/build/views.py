@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 
 from sidmacib.build.solids import Solid, simplified
-from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.locks import Row
 from sidmacib.structure.structure import Pair
 
@@ -93,8 +93,13 @@ def smooth(solid: Solid) -> Solid:
 
 def edges_of(solid: Solid) -> Floats:
     """The ends of the edges where faces meet at an angle, in m, (E, 2, 3)."""
+    return np.asarray(solid.places[edge_vertices(solid)])
+
+
+def edge_vertices(solid: Solid) -> Integers:
+    """The vertices of those edges, (E, 2)."""
     mesh = trimesh.Trimesh(solid.places, solid.triangles, process=False)
-    return np.asarray(solid.places[mesh.face_adjacency_edges[mesh.face_adjacency_angles > FOLDED]])
+    return np.asarray(mesh.face_adjacency_edges[mesh.face_adjacency_angles > FOLDED])
 
 
 def view(solid: Solid, axes: Floats) -> View:

@@ -8,8 +8,13 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import QuantityType, flag_of, joint_of, joint_options
-from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option
-from sidmacib.command.output import refused_in_one_line, require_answer, status_line, text_of
+from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option, note_option
+from sidmacib.command.output import (
+    refused_in_one_line,
+    require_answer,
+    status_line,
+    text_of,
+)
 from sidmacib.quantities import Number
 
 GAP = Number(at_least=0, unit="m")
@@ -30,6 +35,13 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
 @click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
 @click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
+@click.option("--case", help="Answer in full for one of the file's load cases.")
+@click.option(
+    "--reserve",
+    "without_load",
+    is_flag=True,
+    help="Leave out the load: print what the structure has in reserve under permanent loads.",
+)
 @click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
 @click.option(
     "--compas",
@@ -46,8 +58,16 @@ GAP = Number(at_least=0, unit="m")
 @click.option(
     "--picture",
     type=WRITTEN,
-    help="Draw the capacity curve into this file: .png, .svg or .pdf.",
+    help="Draw the structure with its forces into this file: .png, .svg or .pdf. With "
+    "--capacity-curve, or if a support moves, draw the curve instead.",
 )
+@click.option(
+    "--report",
+    type=WRITTEN,
+    help="Write a page with the answer, and the structure in three dimensions with loads, "
+    "reactions, hinges, mechanism, into this file: .html. Needs multilock[report].",
+)
+@note_option
 @format_option
 def assembly(
     file: Path,
@@ -55,6 +75,10 @@ def assembly(
     compas: Path | None,
     curve: Path | None,
     picture: Path | None,
+    report: Path | None,
+    note: Path | None,
+    case: str | None,
+    without_load: bool,
     form: str,
     **options: Any,
 ) -> None:
@@ -67,47 +91,24 @@ def assembly(
     limit: limit analysis with associated friction; may overestimate. static: raises the load on
     elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
     both report the largest angle in equilibrium. If a support moves: its reaction, and the movement
-    at which the structure falls. The exit status is 1 if no model has a result.
+    at which the structure falls.
+
+    If the file says how many newtons are to be carried, the first line is the verdict, with
+    factors; of several load cases, each has a line. Without a load: whether it stands, its
+    geometrical safety factor, and the horizontal acceleration at which it falls. The exit status is
+    1 if no model has a result, or if the verdict is no.
     """
     with refused_in_one_line():
-        from sidmacib.command.structures import (
-            added_keys,
-            interface_rows,
-            limit_of,
-            structure_notes,
-            structure_rows,
-        )
-        from sidmacib.structure.files.structure_file import description_in, structure_of
-        from sidmacib.structure.loads import SupportMotion
+        from sidmacib.command.assembly import Wanted, answered
+        from sidmacib.command.structures import added_keys
+        from sidmacib.structure.files.structure_file import description_in
 
-        description = description_in(file, added_keys(**options))
-        problem = structure_of(description, file.parent)
-        for note in structure_notes(problem, description):
-            click.echo(f"Note: {note}", err=True)
-        if isinstance(problem.loads, SupportMotion):
-            if interfaces or compas:
-                option = "--interfaces" if interfaces else "--compas"
-                raise click.UsageError(f"{option}: must not be given where a support moves")
-            from sidmacib.command.displacements import support_rows, write_curve
-
-            rows, moves = support_rows(problem)
-            click.echo(text_of(rows, form))
-            write_curve(moves, file.stem, curve, picture)
-            return
-        limit = None if interfaces and compas is None else limit_of(problem)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
-        click.echo(text_of(rows, form))
-        if compas is not None:
-            from sidmacib.structure.files.compas_results import write_compas_results
-
-            write_compas_results(problem, file, compas, limit)
-        if curve is not None or picture is not None:
-            from sidmacib.command.displacements import curve_rows, write_curve
-
-            moves, words = curve_rows(problem)
-            click.echo(f"Capacity curve: {words}.", err=True)
-            write_curve(moves, file.stem, curve, picture)
-    require_answer(rows)
+        wanted = Wanted(form, interfaces, case, without_load, compas, curve, picture, report, note)
+        rows, passes = answered(file, description_in(file, added_keys(**options)), wanted)
+    if rows is not None:
+        require_answer(rows)
+    if not passes:
+        sys.exit(1)
 
 
 @click.command(cls=Once)

@@ -82,7 +82,7 @@ def joint_note(case: Case, command: str) -> str:
     title = f"Calculation note: joint of {joint.locks} interlocking locks"
     parts = (
         f"<h1>{title}</h1>",
-        _signatures(),
+        signatures(),
         _verdict(case, resistance),
         "<h2>1 Joint and load</h2>",
         drawing(joint, direction, str(push)),
@@ -98,7 +98,7 @@ def joint_note(case: Case, command: str) -> str:
     return Template(TEMPLATE.read_text()).substitute(title=title, body="\n".join(parts))
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: bool = False) -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: bool = False) -> str:
     """A table, whose cells behind the first are numbers if ``numeric``."""
 
     def line(cells: Sequence[str], tag: str) -> str:
@@ -112,7 +112,8 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: bool = F
     return f'<div class="wide"><table>{top}<tbody>{body}</tbody></table></div>'
 
 
-def _signatures() -> str:
+def signatures() -> str:
+    """The row for project, author and who checked."""
     cells = "".join(f"<th>{words}</th><td></td>" for words in ("Project", "By, date", "Checked"))
     return f"""<div class="wide"><table class="sign"><tr>{cells}</tr></table></div>"""
 
@@ -167,7 +168,7 @@ def _data(case: Case) -> str:
     return (
         f"<p>Load: {load}, pushing along {case.push}. "
         f"Cohesion and tensile strength are {stand}.</p>"
-        + _table(("parameter", "value", "unit") * 2, pairs)
+        + table(("parameter", "value", "unit") * 2, pairs)
     )
 
 
@@ -215,7 +216,7 @@ def _locks(state: JointFailure, joint: Joint) -> str:
         if u >= least
     ]
     head = ("lock", "shear x (N)", "shear y (N)", "torque (N m)", "<i>u</i>")
-    return _table(head, rows, numeric=True)
+    return table(head, rows, numeric=True)
 
 
 def _clean(values: Iterable[float]) -> list[float]:
@@ -332,7 +333,7 @@ def _checks(case: Case, resistance: LawCapacity) -> str:
         rows.append(
             ("Action over design resistance", shown, "verified" if usage <= 1 else "NOT verified")
         )
-    return _table(("check", "found", "result"), rows)
+    return table(("check", "found", "result"), rows)
 
 
 def _assumptions(case: Case) -> str:

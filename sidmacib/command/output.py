@@ -14,6 +14,7 @@ import click
 
 from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve
 from sidmacib.models import MODELS
+from sidmacib.rounding import four_digits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from sidmacib.command.answers import Row
     from sidmacib.joint.joint import Joint
 
-DIGITS = 4
-LARGEST = 1e9  # number shown without an exponent
 FORMATS = ("table", "json", "csv")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
 # Of models, as in the figures of studies.
@@ -36,9 +35,7 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
 
     A column in m, N and so on has its unit at the end of its name, in brackets.
     """
-    context = click.get_current_context(silent=True)
-    if asked := context and context.meta.get(UNITS):
-        rows = [dict(_in_units(key, value, asked) for key, value in row.items()) for row in rows]
+    rows = in_asked_units(rows)
     if form == "json":
         return json.dumps(list(rows), indent=1)
     head = list(rows[0]) if rows else []
@@ -48,17 +45,26 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
         writer.writeheader()
         writer.writerows(rows)
         return stream.getvalue().rstrip("\n")
-    cells = [head, *([_cell(row[key]) for key in head] for row in rows)]
+    cells = [head, *([cell(row[key]) for key in head] for row in rows)]
     widths = [max(len(line[place]) for line in cells) for place in range(len(head))]
     numeric = [all(isinstance(row[key], int | float | None) for row in rows) for key in head]
     lines = [
         "  ".join(
-            cell.rjust(width) if right else cell.ljust(width)
-            for cell, width, right in zip(line, widths, numeric, strict=True)
+            text.rjust(width) if right else text.ljust(width)
+            for text, width, right in zip(line, widths, numeric, strict=True)
         ).rstrip()
         for line in cells
     ]
     return "\n".join(lines)
+
+
+def in_asked_units(rows: "Sequence[Row]") -> "Sequence[Row]":
+    """``rows`` in the units that were asked for."""
+    context = click.get_current_context(silent=True)
+    asked = context and context.meta.get(UNITS)
+    if not asked:
+        return rows
+    return [dict(_in_units(key, value, asked) for key, value in row.items()) for row in rows]
 
 
 def _in_units(key: str, value: Any, asked: Mapping[str, tuple[str, float]]) -> tuple[str, Any]:
@@ -70,13 +76,18 @@ def _in_units(key: str, value: Any, asked: Mapping[str, tuple[str, float]]) -> t
     return f"{name} ({other})", value / size if isinstance(value, int | float) else value
 
 
-def _cell(value: Any) -> str:
+def cell(value: Any) -> str:
+    """A value as tables show it."""
     if value is None:
         return "-"
     if not isinstance(value, float):
         return str(value)
-    whole = 10**DIGITS <= abs(value) < LARGEST
-    return f"{value:.0f}" if whole else f"{value:.{DIGITS}g}"
+    return four_digits(value)
+
+
+def say(words: str, form: str) -> None:
+    """Print ``words`` above a table; beside any other form, on standard error."""
+    click.echo(words, err=form != "table")
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from sidmacib.answers.structure import StaticAnswer, static_answer
 from sidmacib.answers.structure_limit import assumes, limit_state
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
+from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
@@ -16,8 +17,11 @@ from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.sections import StructureFile
-from sidmacib.structure.loads import free_weight
+from sidmacib.structure.loads import free_weight, naming_permanent
 from sidmacib.structure.warnings import structure_warnings
+
+FULL = 1.0 - 1e-4  # of a limit: an interface that uses more is at it
+MOST = 6  # names in a note
 
 
 def added_keys(
@@ -43,7 +47,11 @@ def _given(values: Mapping[str, object]) -> dict[str, object]:
 def structure_notes(problem: Problem, description: Any) -> list[str]:
     """One line each for what looks wrong in a structure and the ``description`` that it is of."""
     given = StructureFile.read(description)
-    return structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
+    notes = structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
+    laws = (given.interfaces, *given.special)
+    if given.locks and any(law.compressive_strength is not None for law in laws):
+        notes.append("compressive_strength: does not limit interfaces with locks")
+    return notes
 
 
 def limit_of(problem: Problem) -> LimitState | CapacityError | None:
@@ -56,15 +64,29 @@ def limit_of(problem: Problem) -> LimitState | CapacityError | None:
         return error
 
 
-def structure_rows(problem: Problem, limit: LimitState | CapacityError | None = None) -> list[Row]:
+def static_of(problem: Problem) -> StaticAnswer | CapacityError:
+    """The answer of the static model, or why it has none."""
+    try:
+        return static_answer(problem)
+    except CapacityError as error:
+        return error
+
+
+def structure_rows(
+    problem: Problem,
+    limit: LimitState | CapacityError | None = None,
+    static: StaticAnswer | CapacityError | None = None,
+) -> list[Row]:
     """Capacity of a structure by each model: loads, or angles if gravity turns.
 
-    ``limit``: by `limit_of` if that was asked before, as it is solved once.
+    ``limit`` and ``static``: by `limit_of` and `static_of` if these were asked before, as either is
+    solved once.
     """
+    static = static_of(problem) if static is None else static
     if problem.loads.axis is not None:
-        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem)]
+        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem, static)]
     limit = limit_of(problem) if limit is None else limit
-    return [*_limits(problem, limit), _static(problem)]
+    return [*_limits(problem, limit), _static(problem, static)]
 
 
 def interface_rows(problem: Problem) -> list[Row]:
@@ -86,15 +108,27 @@ def interface_rows(problem: Problem) -> list[Row]:
     ]
 
 
+def _crushed(problem: Problem, limit: LimitState) -> str:
+    """Which interfaces limit analysis presses to the compressive strength, in words."""
+    use = crushing_use(problem.assembly, limit.force[None, :, 0])
+    names = [problem.assembly.faces[number].name for number, of in use.items() if of[0] > FULL]
+    if not names:
+        return ""
+    others = f" and {len(names) - MOST} others" if len(names) > MOST else ""
+    return f"crushed: {', '.join(names[:MOST])}{others}"
+
+
 def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Iterator[Row]:
     if isinstance(limit, CapacityError):
         yield _row(problem, "limit", None, reason(limit))
     elif limit is not None:
         moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
-        note, error = f"{assumes(problem.assembly)}; {moves}", limit_mesh_error(problem, limit.load)
+        note = "; ".join(filter(None, (assumes(problem.assembly), _crushed(problem, limit), moves)))
+        error = limit_mesh_error(problem, limit.load)
         yield _row(problem, "limit", limit.load, note, error)
         try:
-            sliding = sliding_limit(*problem)
+            with naming_permanent(problem.loads):
+                sliding = sliding_limit(*problem)
             yield _row(problem, "limit, no dilation", sliding.state.load, sliding.note)
         except CapacityError as error:
             yield _row(problem, "limit, no dilation", None, reason(error))
@@ -114,11 +148,9 @@ def _limit_tilt(problem: Problem, tilt: Tilt) -> Iterator[Row]:
         yield _row(problem, "limit", None, reason(error))
 
 
-def _static(problem: Problem) -> Row:
-    try:
-        answer = static_answer(problem)
-    except CapacityError as error:
-        return _row(problem, "static", None, reason(error))
+def _static(problem: Problem, answer: StaticAnswer | CapacityError) -> Row:
+    if isinstance(answer, CapacityError):
+        return _row(problem, "static", None, reason(answer))
     return _row(problem, "static", answer.load, _note(problem, answer), answer.mesh_error, answer)
 
 
@@ -128,7 +160,8 @@ def _note(problem: Problem, answer: StaticAnswer) -> str:
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
     rotation = rotation_words(_rotation_effect(problem, answer)) or "small displacements"
-    return f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
+    no = "; no crushing" if crushed_faces(answer.assembly) else ""
+    return f"{answer.counts}{no}; failure mode: {answer.mode}{moves}; {rotation}"
 
 
 def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:

@@ -19,10 +19,10 @@ from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Length, Number, shown
 from sidmacib.reading import Keys, Label, Some, Way
 from sidmacib.structure.blocks import Block
+from sidmacib.structure.files.loads import CaseSection
 from sidmacib.structure.files.sections import (
     NUMBERS,
     DrySection,
-    ForceSection,
     InnerSection,
     Option,
     Positive,
@@ -30,32 +30,11 @@ from sidmacib.structure.files.sections import (
 )
 from sidmacib.structure.files.selection import two_blocks
 from sidmacib.structure.files.structure_file import assembly_of, description_in, loads_of
-from sidmacib.structure.loads import free_weight
 from sidmacib.validation import refused
 
 DIGITS = 9  # of lengths (m) in the file that is written
 MOST = 25  # locks that work in an interface, unless the file names fewer
 _NotNegative = Annotated[float, Number(at_least=0)]
-
-
-class CaseSection(Keys):
-    """A load case: a direction or a force, and how much of it is to be carried."""
-
-    acceleration: Way | None = None
-    """as in `load`"""
-    force: ForceSection | None = None
-    """as in `load`"""
-    newtons: Annotated[float, Number(above=0, unit="N")] | None = None
-    """how much is to be carried, N"""
-    over_weight: Positive | None = None
-    """or that over the weight of what can move"""
-
-    @model_validator(mode="after")
-    def _has_one_of_each(self) -> Self:
-        for one, other in (("acceleration", "force"), ("newtons", "over_weight")):
-            if (getattr(self, one) is None) == (getattr(self, other) is None):
-                raise ValueError(f"must have either {one} or {other}")
-        return self
 
 
 def _listed(value: Any) -> Any:
@@ -164,11 +143,15 @@ class DesignFile(StructureFile):
 
 @dataclass(frozen=True)
 class CaseText:
-    """A load case as the file has it: the key ``load`` in plain values, and its section."""
+    """A load case as the file has it: the key ``load`` in plain values, and its section.
+
+    ``description``: with the permanent loads of all cases.
+    """
 
     name: str
     load: Mapping[str, Any]
     section: CaseSection
+    description: Mapping[str, Any]
 
     @property
     def line(self) -> str:
@@ -185,14 +168,13 @@ class CaseText:
     def loads(self, assembly: Assembly) -> Loads:
         """ValueError that names the case."""
         try:
-            return loads_of(assembly, self.load)
+            return loads_of(assembly, self.load, self.description)
         except ValueError as error:
             raise ValueError(f"design.cases.{self.name}.{error}") from None
 
     def amount(self, assembly: Assembly) -> float:
         """What is to be carried, in N."""
-        over_weight = self.section.over_weight or 0.0
-        return self.section.newtons or over_weight * free_weight(assembly)
+        return self.section.amount(assembly) or 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,10 +204,15 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
         raise ValueError("design: missing; this key is required")
     if "locks" in given.model_fields_set:
         raise ValueError("locks: must not be there, as the design finds them")
+    for each in (given.interfaces, *given.special):
+        if each.compressive_strength is not None:
+            raise ValueError("compressive_strength: is for multilock assembly, not for designs")
     design = given.design
     plain = {key: value for key, value in description.items() if key != "design"}
     cases = tuple(
-        CaseText(name, {k: v for k, v in text.items() if k in ("acceleration", "force")}, section)
+        CaseText(
+            name, {k: v for k, v in text.items() if k in ("acceleration", "force")}, section, plain
+        )
         for text, (name, section) in zip(
             description["design"]["cases"].values(), design.cases.items(), strict=True
         )

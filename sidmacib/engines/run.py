@@ -24,6 +24,7 @@ from sidmacib.engines.scripts.children import ENDS_WITH_PARENT
 from sidmacib.engines.scripts.records import NO_ANSWER, OUTPUTS, RESULT
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind, Loads
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.springs import compliance
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.model import Ability
@@ -112,9 +113,7 @@ def run_engine(
 
 def refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute ``assembly``; None if it can."""
-    if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
-        return "pieces are polyhedra; this engine models only cuboids along the axes"
-    if reason := assembly.without_stiffness:
+    if reason := _structure_refusal(engine, assembly):
         return reason
     if assembly.failure is Failure.SOFTENING:
         return (
@@ -140,6 +139,15 @@ def _soft_contacts(problem: Problem, numerics: Numerics) -> str | None:
         f"contacts are so soft that the load moves the pieces by {moved:.2g} of their size; this "
         f"engine takes more than {numerics.collapse_share:g} for a collapse"
     )
+
+
+def _structure_refusal(engine: Engine, assembly: Assembly) -> str | None:
+    """Why the engine cannot compute pieces or faces of this kind; None if it can."""
+    if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
+        return "pieces are polyhedra; this engine models only cuboids along the axes"
+    if crushed := crushed_faces(assembly):
+        return f"{crushed[0][1].name} has a compressive_strength; no engine models crushing"
+    return assembly.without_stiffness
 
 
 def _bond_refusal(engine: Engine, face: Face) -> str | None:

@@ -21,6 +21,7 @@ from scipy.sparse import csr_array
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
+from sidmacib.mechanics.crushing import crushing_rows
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.optimisation import solve
@@ -255,7 +256,8 @@ def admissible(
     :math:`\lambda` is the load and :math:`\kappa` the part of the ``permanent`` loads p that acts.
     The ``cone`` of the nodes gives tau A, mu and sigma A; a node that is not bonded is rough if its
     mu is above 0. Locks are contact points in their place, t1 along them and t2 across. Added are
-    limits of torque by a ``twist`` and those of a rule for condensed locks.
+    limits of torque by a ``twist``, those of a rule for condensed locks, and those of pressed parts
+    of faces by `sidmacib.mechanics.crushing`.
     """
     law, units = ContactLaw.of(assembly), _Scales.of(assembly, loads)
     dry = ~law.cohesive & ~law.locked
@@ -297,7 +299,30 @@ def admissible(
             s_t[locks, 1] <= across,
             -s_t[locks, 1] <= across,
         ]
-    return [*constraints, *_of_rules(assembly, units, s_n, s_t)]
+    return [
+        *constraints,
+        *_of_rules(assembly, units, s_n, s_t),
+        *_of_crushing(assembly, units, s_n, np.where(law.cohesive, sigma, 0.0)),
+    ]
+
+
+def _of_crushing(
+    assembly: Assembly, units: _Scales, s_n: cp.Expression, sigma: Floats
+) -> Iterator[cp.Constraint]:
+    """Limits of what presses faces; ``sigma``: tensile strengths of the nodes, (N,).
+
+    Where bonds pull at one side of a face, more presses the other.
+    """
+    found = crushing_rows(assembly, units.node, units.load)
+    if found is None:
+        return
+    rows, limits = found
+    pull = np.zeros(len(sigma))
+    if sigma.any():
+        pull = cp.Variable(len(sigma), nonneg=True)
+        yield pull <= sigma
+        yield s_n + pull >= 0.0
+    yield rows @ (s_n + pull) <= limits
 
 
 def _of_rules(

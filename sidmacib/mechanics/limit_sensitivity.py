@@ -24,6 +24,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import unbalanced_forces
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
@@ -69,15 +70,16 @@ def limit_derivatives(
     """The limit load of ``assembly`` and its derivatives; arguments and errors of `limit_load`.
 
     Three solutions are enough, however many changes there are, where the forces and the mechanism
-    are unique. Where the torque of dry faces is limited, the loads at either end of each change
-    tell instead. ValueError for a change with other pieces, faces or numbers of nodes.
+    are unique. Where the torque of dry faces is limited, or blocks may be crushed, the loads at
+    either end of each change tell instead. ValueError for a change with other pieces, faces or
+    numbers of nodes.
     """
     for name, change in changes.items():
         for other, _ in change.ends:
             if _shape(other) != _shape(assembly):
                 raise ValueError(f"{name}: must keep pieces, faces and the number of nodes")
     state = limit_load(assembly, loads, friction=friction)
-    if state.twisted:
+    if state.twisted or crushed_faces(assembly):
         by: dict[str, float | None] = {}
         for name, change in changes.items():
             before, after = (limit_load(*end, friction=friction).load for end in change.ends)

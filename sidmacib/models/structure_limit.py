@@ -1,7 +1,9 @@
 """Limit analysis of a structure, with associated friction."""
 
 from sidmacib.answers.structure_limit import limit_state
+from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
@@ -11,14 +13,21 @@ from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt
 def solve(problem: Problem) -> Outcome:
     """The largest load that forces can balance; `sidmacib.errors.CapacityError` if none is."""
     assembly, loads = problem
-    if loads.axis is not None:
-        tilt = limit_tilt(assembly, Tilt(loads.axis))
-        value, motion = tilt.angle, tilt.mechanism
-        state = State(load_of_tilt(value, loads))
-    else:
-        found = limit_state(*problem)
-        value, motion = found.load, found.mechanism
-        state = State(value, force=found.force, bonded=ContactLaw.of(assembly).cohesive)
+    if loads.axis is None:
+        return outcome_of(problem, limit_state(*problem))
+    tilt = limit_tilt(assembly, Tilt(loads.axis))
+    state = State(load_of_tilt(tilt.angle, loads))
+    return _outcome(problem, state, tilt.angle, tilt.mechanism)
+
+
+def outcome_of(problem: Problem, found: LimitState) -> Outcome:
+    """The limit state ``found`` for a structure as an outcome."""
+    bonded = ContactLaw.of(problem.assembly).cohesive
+    state = State(found.load, force=found.force, bonded=bonded)
+    return _outcome(problem, state, found.load, found.mechanism)
+
+
+def _outcome(problem: Problem, state: State, value: float, motion: Floats | None) -> Outcome:
     return Outcome(
         (state,),
         failed_load=state.load,

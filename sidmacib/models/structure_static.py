@@ -18,7 +18,12 @@ def solve(problem: Problem) -> Outcome:
 
     `sidmacib.errors.CapacityError` if there is none.
     """
-    answer, tilts = static_answer(problem), problem.loads.axis is not None
+    return outcome_of(problem, static_answer(problem))
+
+
+def outcome_of(problem: Problem, answer: StaticAnswer) -> Outcome:
+    """The ``answer`` for a structure as an outcome."""
+    tilts = problem.loads.axis is not None
 
     def load_of(value: float) -> float:
         return load_of_tilt(value, problem.loads) if tilts else value

@@ -1,20 +1,72 @@
-"""Loads on a structure: self-weight, and an acceleration or a force that is raised.
+"""Loads on a structure: weight and other permanent loads, and a load that is raised.
 
-Or a support that moves.
+That is an acceleration or a force; or a support moves.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, self_weight
 from sidmacib.validation import refused, require_direction
 
+OWN, ALL = "its own weight", "its own weight and the other permanent loads"
+
 
 @dataclass(frozen=True)
-class PointForce(Loads):
+class Permanent:
+    """Permanent loads beside weight, which keep their directions; their points move with pieces.
+
+    ``wrenches``: forces (N) and moments about the centroids (N m), (P, 6). ``levers``: sums of
+    arm from the centroid (m) times force (N), (P, 3, 3), of which moments follow after a turn.
+    """
+
+    wrenches: Floats
+    levers: Floats
+
+    @classmethod
+    def none(cls, pieces: int) -> "Permanent":
+        """No such loads on so many ``pieces``."""
+        return cls(np.zeros((pieces, 6)), np.zeros((pieces, 3, 3)))
+
+    @classmethod
+    def of(cls, pieces: int, number: int, arms: Floats, forces: Floats) -> "Permanent":
+        """``forces``, (K, 3) in N, on the piece of this ``number``, at ``arms``, (K, 3) in m."""
+        found = cls.none(pieces)
+        found.wrenches[number] = [*forces.sum(axis=0), *np.cross(arms, forces).sum(axis=0)]
+        found.levers[number] = arms.T @ forces
+        return found
+
+    def __add__(self, other: "Permanent") -> "Permanent":
+        return Permanent(self.wrenches + other.wrenches, self.levers + other.levers)
+
+    @property
+    def size(self) -> float:
+        """Sum of the sizes of the forces on the pieces, in N."""
+        return float(np.linalg.norm(self.wrenches[:, :3], axis=1).sum())
+
+
+@dataclass(frozen=True)
+class StructureLoads(Loads):
+    """Loads on a structure. ``levers``: of permanent loads beside weight, see `Permanent`."""
+
+    levers: Floats | None = None
+
+    def turned_moments(self, turns: Floats) -> Floats:
+        """Moments (N m) of permanent loads on pieces that have turned by ``turns``, (P, 3, 3)."""
+        if self.levers is None:
+            return np.zeros((len(turns), 3))
+        sums = turns @ self.levers
+        across = sums - np.swapaxes(sums, 1, 2)
+        return np.stack([across[:, 1, 2], across[:, 2, 0], across[:, 0, 1]], axis=1)
+
+
+@dataclass(frozen=True)
+class PointForce(StructureLoads):
     """A force at a point that moves with its piece.
 
     ``arms``: from the centroids to the points (m), (P, 3), 0 for pieces without a force.
@@ -24,8 +76,8 @@ class PointForce(Loads):
 
 
 @dataclass(frozen=True)
-class SupportMotion(Loads):
-    """Self-weight, while a fixed piece moves: along a displacement, or about an axis.
+class SupportMotion(StructureLoads):
+    """Permanent loads, while a fixed piece moves: along a displacement, or about an axis.
 
     ``support``: its index. ``along``: of length 1, the direction in which it moves by m, or the
     axis about which it turns by rad, by the right-hand rule; ``about``: a point of this axis (m),
@@ -53,21 +105,36 @@ class SupportMotion(Loads):
         raise ValueError("loads: a support moves; use least_reaction or support_path")
 
 
-def acceleration(assembly: Assembly, direction: Sequence[float]) -> Loads:
+def acceleration(
+    assembly: Assembly, direction: Sequence[float], beside: Permanent | None = None
+) -> StructureLoads:
     """Self-weight, and 1 N along ``direction`` on all free pieces in proportion to their mass.
+
+    ``beside``: permanent loads beside weight, as in all of these functions.
 
     A load of k times `free_weight` is a horizontal acceleration of k g, or, in a dry structure, a
     tilt of atan(k). ValueError unless the direction has a length.
     """
+    return pushed(assembly, permanent_only(assembly, beside), direction)
+
+
+def pushed(
+    assembly: Assembly, permanent: StructureLoads, direction: Sequence[float]
+) -> StructureLoads:
+    """The ``permanent`` loads, and an acceleration as in `acceleration`."""
     mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
     variable = np.zeros((len(mass), 6))
     variable[:, :3] = (mass / mass.sum())[:, None] * _unit(direction)
-    return Loads(weight_of_free(assembly), variable, free_weight(assembly))
+    return replace(permanent, variable=variable)
 
 
 def force_at(
-    assembly: Assembly, name: str, point: Sequence[float], direction: Sequence[float]
-) -> Loads:
+    assembly: Assembly,
+    name: str,
+    point: Sequence[float],
+    direction: Sequence[float],
+    beside: Permanent | None = None,
+) -> StructureLoads:
     """Self-weight, and 1 N along ``direction`` at a ``point`` (m) of the piece called ``name``.
 
     ValueError unless there is such a piece that can move, and the direction has a length.
@@ -77,19 +144,34 @@ def force_at(
     arms[number] = np.array(point, float) - assembly.pieces[number].centre
     variable = np.zeros((len(arms), 6))
     variable[number] = [*along, *np.cross(arms[number], along)]
-    return PointForce(weight_of_free(assembly), variable, free_weight(assembly), arms=arms)
+    return PointForce(*_given(assembly, variable, beside), levers=_levers(beside), arms=arms)
 
 
-def support_moves(assembly: Assembly, name: str, displacement: Sequence[float]) -> SupportMotion:
+def permanent_only(assembly: Assembly, beside: Permanent | None = None) -> StructureLoads:
+    """Permanent loads alone."""
+    variable = np.zeros((len(assembly.pieces), 6))
+    return StructureLoads(*_given(assembly, variable, beside), levers=_levers(beside))
+
+
+def support_moves(
+    assembly: Assembly,
+    name: str,
+    displacement: Sequence[float],
+    beside: Permanent | None = None,
+) -> SupportMotion:
     """Self-weight, while the fixed piece called ``name`` moves along ``displacement``.
 
     ValueError unless there is such a piece, and the displacement has a length.
     """
-    return _support(assembly, name, displacement, None)
+    return _support(assembly, name, displacement, None, beside)
 
 
 def support_turns(
-    assembly: Assembly, name: str, axis: Sequence[float], about: Sequence[float] | None = None
+    assembly: Assembly,
+    name: str,
+    axis: Sequence[float],
+    about: Sequence[float] | None = None,
+    beside: Permanent | None = None,
 ) -> SupportMotion:
     """Self-weight, while the fixed piece called ``name`` turns about an ``axis``.
 
@@ -97,18 +179,54 @@ def support_turns(
     """
     number = _number(assembly, name, fixed=True)
     point = assembly.pieces[number].centre if about is None else np.array(about, float)
-    return _support(assembly, name, axis, tuple(point.tolist()))
+    return _support(assembly, name, axis, tuple(point.tolist()), beside)
+
+
+def permanent_force(
+    assembly: Assembly, name: str, point: Sequence[float], direction: Sequence[float], size: float
+) -> Permanent:
+    """A permanent force of a ``size`` (N); other arguments and errors of `force_at`."""
+    number, force = _number(assembly, name, fixed=False), size * _unit(direction)
+    arm = np.array(point, float) - assembly.pieces[number].centre
+    return Permanent.of(len(assembly.pieces), number, arm[None], force[None])
+
+
+@contextmanager
+def naming_permanent(loads: Loads) -> Iterator[None]:
+    """Say of errors that weight and other permanent ``loads`` cause that it is not weight alone."""
+    try:
+        yield
+    except CapacityError as error:
+        if getattr(loads, "levers", None) is None:
+            raise
+        raise type(error)(str(error).replace(OWN, ALL)) from None
+
+
+def _given(
+    assembly: Assembly, variable: Floats, beside: Permanent | None
+) -> tuple[Floats, Floats, float]:
+    """Permanent and variable loads, and their scale."""
+    weight, scale = weight_of_free(assembly), free_weight(assembly)
+    if beside is None:
+        return weight, variable, scale
+    return weight + beside.wrenches, variable, scale + beside.size
+
+
+def _levers(beside: Permanent | None) -> Floats | None:
+    return None if beside is None else beside.levers
 
 
 def _support(
-    assembly: Assembly, name: str, along: Sequence[float], about: tuple[float, ...] | None
+    assembly: Assembly,
+    name: str,
+    along: Sequence[float],
+    about: tuple[float, ...] | None,
+    beside: Permanent | None,
 ) -> SupportMotion:
     number = _number(assembly, name, fixed=True)
-    weight = weight_of_free(assembly)
     return SupportMotion(
-        weight,
-        np.zeros_like(weight),
-        free_weight(assembly),
+        *_given(assembly, np.zeros((len(assembly.pieces), 6)), beside),
+        levers=_levers(beside),
         support=number,
         along=tuple(_unit(along).tolist()),
         about=about,

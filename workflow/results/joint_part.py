@@ -7,8 +7,9 @@ from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Outcome
+from sidmacib.rounding import clean, rounded
 from workflow.case import JointCase
-from workflow.results.record import Record, clean, rounded
+from workflow.results.record import Record
 
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 NOISE_OF_BALANCE = 1e-12

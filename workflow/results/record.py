@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 
 from sidmacib.errors import ResultError
 from sidmacib.problem import Outcome, Problem, checked_share
+from sidmacib.rounding import rounded
 from sidmacib.validation import dataclass_from
 from workflow.case import SUBJECTS, Case, CaseId, JointSubject
 
@@ -22,7 +23,6 @@ CASE, RECORD = "case.json", "record.json"
 BROKE_DOWN = "broke-down"  # mark beside a record: the engine did, and may not do so again
 BENCHMARKS = "benchmarks"  # folder of Snakemake's measurements
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
-DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 UNREADABLE = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 
 
@@ -148,19 +148,9 @@ def read_records(paths: Sequence[Path]) -> list[Record[Any]]:
     return records
 
 
-def rounded(value: float) -> float:
-    """``value`` to `DIGITS` significant digits; never -0."""
-    return float(f"{value:.{DIGITS}g}") + 0.0
-
-
 def rounded_or_none(value: float | None) -> float | None:
     """`rounded`, of a ``value`` if there is one."""
     return None if value is None else rounded(value)
-
-
-def clean(value: float, noise: float) -> float:
-    """``value`` in multiples of ``noise``: the same on every machine."""
-    return rounded(round(value / noise) * noise)
 
 
 def _record(case: Case[Any], part: Any, **values: Any) -> Record[Any]:

@@ -27,10 +27,11 @@ from scipy.sparse import csr_array, vstack
 
 from sidmacib.errors import CapacityError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement, meeting
-from sidmacib.structure.loads import PointForce, SupportMotion
+from sidmacib.structure.loads import PointForce, StructureLoads, SupportMotion
 
 STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
 SHORTEST = 1 / 64  # of a step: precision of the movement at which blocks fall
@@ -67,7 +68,10 @@ class Freedoms:
         """
         rows, width = free_rows(assembly), 6 * len(assembly.pieces)
         ones = csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), (len(rows), width))
-        units, permanent = row_units(assembly) * loads.scale, loads.permanent.ravel()[rows]
+        always = loads.permanent.copy()
+        if isinstance(loads, StructureLoads) and loads.levers is not None:
+            always[:, 3:] = loads.turned_moments(placed.turn)
+        units, permanent = row_units(assembly) * loads.scale, always.ravel()[rows]
         if isinstance(loads, SupportMotion):
             moves = np.zeros((1, width))
             motion = loads.motion(placed.centre[loads.support])
@@ -129,9 +133,11 @@ class Kinematics:
 
     @classmethod
     def of(cls, assembly: Assembly, loads: Loads) -> "Kinematics":
-        """`CapacityError` where gravity turns, and unless all interfaces are dry."""
+        """`CapacityError` where gravity turns or blocks may be crushed, and of bonds."""
         if loads.axis is not None:
             raise CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
+        if crushed_faces(assembly):
+            raise CapacityError(f"{WHAT}: blocks are not crushed; leave out compressive_strength")
         return cls(assembly, Joints.of(assembly), loads)
 
     def start(self) -> Position:

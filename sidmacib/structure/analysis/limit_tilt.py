@@ -14,6 +14,7 @@ import numpy as np
 from sidmacib.errors import UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned, turning
 from sidmacib.structure.loads import free_weight
@@ -38,12 +39,12 @@ def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     """The smallest angle above which limit analysis finds no admissible forces in ``assembly``.
 
     Friction is associated. Angles without such forces that are less than 5 degrees apart may be
-    missed where there are bonds, or where the axis is not horizontal. `InfeasibleError` if there
-    are no forces before gravity turns; other errors of `limit_load`.
+    missed where there are bonds or compressive strengths, or where the axis is not horizontal.
+    `InfeasibleError` if there are no forces before gravity turns; other errors of `limit_load`.
     """
     require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
     strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
-    if tilt.level and not strong:
+    if tilt.level and not strong and not crushed_faces(assembly):
         return _by_sectors(assembly, tilt)
     return _by_scan(assembly, tilt)
 

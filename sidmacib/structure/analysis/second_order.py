@@ -20,7 +20,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.equilibrium import face_frames, motion_of
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.structure.loads import PointForce
+from sidmacib.structure.loads import PointForce, StructureLoads
 
 MATTERS = 0.05  # of the load: a change that is worth a note
 
@@ -52,6 +52,8 @@ def rotation_effect(
         np.add.at(moments, piece, np.cross(turned, sign * on_above))
     if isinstance(loads, PointForce) and loads.arms is not None:
         moments += np.cross(np.cross(here[:, 3:], loads.arms), load * loads.variable[:, :3])
+    if isinstance(loads, StructureLoads):
+        moments += loads.turned_moments(np.cross(here[:, None, 3:], np.eye(3)).swapaxes(1, 2))
     return -float(np.sum(moments * goes_on[:, 3:])) / work
 
 

@@ -12,16 +12,16 @@ from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER, HeldDown
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
+from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
+from sidmacib.mechanics.crushing import CompressiveStrength, CrushedMaterial
 from sidmacib.quantities import Count, Length, Number, one_of, shown
 from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
 from sidmacib.rule.law import RULES
-from sidmacib.structure.analysis.tilt import Tilt, tilting
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.compas import DENSITIES
 from sidmacib.structure.files.file_section import FileSection
+from sidmacib.structure.files.loads import LoadCaseSection, LoadSection, PermanentSection
 from sidmacib.structure.files.selection import Between
-from sidmacib.structure.loads import acceleration, force_at, support_moves, support_turns
 from sidmacib.structure.locks import ALL, Condensed, Locks
 
 INTERFACE = FaceMaterial(1e10, 1e10, friction=0.7, cohesion=0.0, tensile_strength=0.0)
@@ -50,12 +50,22 @@ _CHANGES: Any = changes_to(_INTERFACE)
 FROM_FILE = "from_file"
 
 
-class InterfaceSection(_INTERFACE, _Numbers):
+class _Crushed(Keys):
+    compressive_strength: CompressiveStrength | None = None
+    """of the blocks, where they are pressed, Pa; by default none is exceeded"""
+
+
+class InterfaceSection(_INTERFACE, _Crushed):
     """The law of faces, which are bonded if the cohesion or the tensile strength is above 0.
 
     Limit analysis uses no stiffnesses. ``friction``: coefficient μ, of a bonded face after it has
     failed; ``bond_friction``: of a bond while it holds, c + μσ.
     """
+
+    @property
+    def material(self) -> CrushedMaterial:
+        """The material of an interface."""
+        return CrushedMaterial(**self.model_dump(include={*NUMBERS, "compressive_strength"}))
 
     from_file: StrictBool = False
     """whether interfaces are those that files of COMPAS bring, and not found by faces that touch"""
@@ -74,7 +84,7 @@ class DrySection(_DRY, _Numbers):
     """The law of all other faces of locks."""
 
 
-class SpecialSection(_CHANGES, Keys):
+class SpecialSection(_CHANGES, _Crushed):
     """A law of certain pairs of blocks: the numbers that differ from `interfaces`."""
 
     between: Between
@@ -217,84 +227,6 @@ def _block(value: Any) -> Any:
     return (FileSection if of_file else ShapeSection).model_validate(value)
 
 
-class ForceSection(Keys):
-    """A force on one block."""
-
-    block: Text
-    """its name"""
-    at: Vector
-    """the point where it acts"""
-    direction: Way
-
-
-class TiltSection(Keys):
-    """Gravity that turns about an axis, by the right-hand rule."""
-
-    axis: Way
-
-    @model_validator(mode="after")
-    def _is_not_vertical(self) -> Self:
-        Tilt(self.axis)
-        return self
-
-
-class SupportSection(Keys):
-    """A support that moves: one of displacement and rotation is needed."""
-
-    block: Text
-    """the name of a fixed block"""
-    displacement: Way | None = None
-    """the direction in which it settles or spreads; the result is in m"""
-    rotation: Way | None = None
-    """the axis about which it turns, by the right-hand rule; the result is in degrees"""
-    about: Vector | None = None
-    """a point of this axis, by default the block's centroid"""
-
-    @model_validator(mode="after")
-    def _is_one(self) -> Self:
-        if len(self.model_fields_set & {"displacement", "rotation"}) != 1:
-            raise ValueError("must have either displacement or rotation")
-        if self.about and not self.rotation:
-            raise ValueError("about: must not be given beside displacement")
-        return self
-
-
-class LoadSection(Keys):
-    """Weight always acts. One load is raised, gravity turns, or a support moves."""
-
-    acceleration: Way | None = None
-    """direction of forces in proportion to the masses; the result is their sum"""
-    force: ForceSection | None = None
-    """a force on one block"""
-    tilt: TiltSection | None = None
-    """gravity that turns"""
-    support: SupportSection | None = None
-    """a support that moves; for `multilock assembly` only"""
-
-    @model_validator(mode="after")
-    def _is_one(self) -> Self:
-        if len(self.model_fields_set) != 1:
-            raise ValueError("must have one key, acceleration, force, tilt or support")
-        return self
-
-    def on(self, assembly: Assembly) -> Loads:
-        """The weight of ``assembly`` and this load; ValueError that names the key."""
-        if self.tilt:
-            return tilting(assembly, Tilt(self.tilt.axis))
-        if self.acceleration:
-            return acceleration(assembly, self.acceleration)
-        moves, key = self.support, "support" if self.support else "force"
-        try:
-            if moves and moves.displacement:
-                return support_moves(assembly, moves.block, moves.displacement)
-            if moves and moves.rotation:
-                return support_turns(assembly, moves.block, moves.rotation, moves.about)
-            assert self.force
-            return force_at(assembly, self.force.block, self.force.at, self.force.direction)
-        except ValueError as error:
-            raise ValueError(f"load.{key}.{error}") from None
-
-
 class StructureFile(Keys):
     """A structure of blocks and its load. Lengths are in m, forces in N, stresses in Pa."""
 
@@ -303,7 +235,11 @@ class StructureFile(Keys):
     ]
     """the blocks by name"""
     load: LoadSection | None = None
-    """the load; needed but for `multilock design`"""
+    """the load that is raised; without it `multilock assembly` says what is in reserve"""
+    permanent: tuple[PermanentSection, ...] = ()
+    """loads that always act, beside weight"""
+    load_cases: Annotated[dict[Label, LoadCaseSection], Some] | None = None
+    """load cases by name, in place of `load`; for `multilock assembly` only"""
     interfaces: InterfaceSection = InterfaceSection()
     """the law of all interfaces; by default dry"""
     special: tuple[SpecialSection, ...] = ()

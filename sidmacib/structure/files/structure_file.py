@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +13,17 @@ from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.file_section import FileSection
+from sidmacib.structure.files.loads import LoadSection, PermanentSection, permanent_on
 from sidmacib.structure.files.meshes import SUFFIXES
 from sidmacib.structure.files.sections import (
     FROM_FILE,
-    LoadSection,
     LocksSection,
     SpecialSection,
     StructureFile,
 )
 from sidmacib.structure.files.selection import Pair, Selection
-from sidmacib.structure.interfaces import Interface, interfaces, touching
+from sidmacib.structure.interfaces import NEAR, Interface, interfaces, touching
+from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import rows_of, structure
 from sidmacib.yaml_text import read_yaml
@@ -74,9 +75,55 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     """
     given = StructureFile.read(description)
     if given.load is None:
-        raise ValueError("load: missing; this key is required")
+        words = "; load_cases are for multilock assembly only" if given.load_cases else ""
+        raise ValueError(f"load: missing; this key is required{words}")
     assembly = assembly_of(given, folder)
-    return Problem(assembly, given.load.on(assembly))
+    beside = permanent_on(assembly, given.permanent, given.tolerance)
+    return Problem(assembly, given.load.on(assembly, beside))
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A structure under a load, and how much of it (N) is to be carried, if the file says.
+
+    ``case``: the name of the load case, if it is one of several. ``raises``: whether there is a
+    load to be raised, and not only permanent ones.
+    """
+
+    problem: Problem
+    newtons: float | None = None
+    case: str | None = None
+    raises: bool = True
+
+
+def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
+    """What a ``description`` demands: of its load, of each load case, or of none.
+
+    Arguments and errors as of `structure_of`, but for a load that is missing.
+    """
+    given = StructureFile.read(description)
+    if given.load is None and given.load_cases is None:
+        assembly = assembly_of(given, folder)
+        beside = permanent_on(assembly, given.permanent, given.tolerance)
+        return (Demand(Problem(assembly, permanent_only(assembly, beside)), raises=False),)
+    if given.load_cases is None:
+        problem = structure_of(given, folder)
+        amount = given.load.amount(problem.assembly) if given.load else None
+        return (Demand(problem, amount),)
+    if given.load is not None:
+        raise ValueError("load_cases: must not be given beside load")
+    assembly, found = assembly_of(given, folder), []
+    always = permanent_on(assembly, given.permanent, given.tolerance)
+    for name, case in given.load_cases.items():
+        key = f"load_cases.{name}"
+        own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent")
+        beside = always + own if always and own else always or own
+        try:
+            loads = case.load().on(assembly, beside)
+        except ValueError as error:
+            raise ValueError(f"{key}.{str(error).removeprefix('load.')}") from None
+        found.append(Demand(Problem(assembly, loads), case.amount(assembly), name))
+    return tuple(found)
 
 
 def blocks_and_rows(
@@ -144,15 +191,23 @@ def _of_files(
     return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
 
 
-def loads_of(assembly: Assembly, value: Any) -> Loads:
-    """The weight of ``assembly`` and the load that a file's key ``load`` gives, for any model.
+def loads_of(assembly: Assembly, value: Any, description: Mapping[str, Any] | None = None) -> Loads:
+    """The permanent loads of a ``description``, and the load that a key ``load`` gives.
 
-    ValueError, for a support that moves too.
+    For any model. ``value``: of that key. ValueError, for a support that moves too.
     """
     given = LoadSection.read(value, "load")
     if given.support:
         raise ValueError("load.support: is for multilock assembly only; use another load here")
-    return given.on(assembly)
+    return given.on(assembly, permanent_of(assembly, description or {}))
+
+
+def permanent_of(assembly: Assembly, description: Mapping[str, Any]) -> Permanent | None:
+    """The permanent loads of a ``description`` in plain values, but for weight; ValueError."""
+    sections = [
+        PermanentSection.read(each, "permanent") for each in description.get("permanent", ())
+    ]
+    return permanent_on(assembly, sections, float(description.get("tolerance", NEAR)))
 
 
 def with_bodies(description: Any, folder: Path) -> Any:

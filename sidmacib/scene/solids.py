@@ -1,32 +1,49 @@
 """Blocks and interfaces as points, triangles and edges, for a page that draws them."""
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
 
-from analysis.vtk import outlines
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers
+from sidmacib.build.solids import Solid, solids
+from sidmacib.build.views import edge_vertices
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.blocks import normal_of
+from sidmacib.structure.blocks import normal_of, solids_of
+from sidmacib.structure.files.structure_file import blocks_and_rows
 from sidmacib.structure.interfaces import tangents
 
 DIGITS = 6  # of coordinates
+LOCK = re.compile(r"-lock\d+$")  # ends the name of a lock that was cut out
 CLOSE = 1e-9  # over the size of an outline: points nearer than that are one
 
 
-def shape_of(assembly: Assembly) -> dict[str, Any]:
+def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
     """The blocks and interfaces of ``assembly`` as plain values, coordinates in m.
 
+    ``made``: solids that are drawn in place of the blocks of their names.
+
     Each has its name, ``points``, ``triangles`` and ``edges``, closed lines, as numbers of points.
-    A block has ``fixed``, an interface its ``middle`` and the numbers of the blocks, ``between``.
+    A block has ``fixed``, and the number of the block that it is a lock of, or its own, ``with``;
+    an interface its ``middle`` and the numbers of the blocks, ``between``.
     """
+    owners = owners_of(assembly)
+    by_name = {solid.name: solid for solid in made}
     return {
         "blocks": [
-            {"name": piece.name, "fixed": piece.fixed, **_solid([*outlines(piece)])}
-            for piece in assembly.pieces
+            {
+                "name": piece.name,
+                "fixed": piece.fixed,
+                "with": owners[number],
+                **(
+                    _made(by_name[piece.name]) if piece.name in by_name else _solid(outlines(piece))
+                ),
+            }
+            for number, piece in enumerate(assembly.pieces)
         ],
         "interfaces": [
             {
@@ -39,6 +56,27 @@ def shape_of(assembly: Assembly) -> dict[str, Any]:
             if isinstance(face, Polygon)
         ],
     }
+
+
+def owners_of(assembly: Assembly) -> list[int]:
+    """For each piece its number, or that of the block which it is a lock of."""
+    names = [piece.name for piece in assembly.pieces]
+    owners = list(range(len(names)))
+    for face in assembly.faces:
+        ends = face.below, face.above
+        for lock, block in (ends, ends[::-1]):
+            if (
+                face.kind is Kind.INNER
+                and LOCK.search(names[lock])
+                and not LOCK.search(names[block])
+            ):
+                owners[lock] = block
+    return owners
+
+
+def outlines(piece: Piece) -> list[Floats]:
+    """The faces of a piece, (K, 3) in m each."""
+    return [outline for solid in solids_of(piece) for outline in solid.outlines]
 
 
 def points_of(shape: dict[str, Any]) -> int:
@@ -55,6 +93,33 @@ def triangles(region: shapely.Polygon, corners: Floats) -> Iterator[list[int]]:
         numbers = apart.argmin(axis=1).tolist()
         assert float(apart.min(axis=1).max()) <= near
         yield numbers
+
+
+def with_condensed_locks(description: Any, folder: Path) -> list[Solid]:
+    """The blocks of a ``description`` with those of their locks that the model condenses.
+
+    ``folder``: that paths of meshes start from. Without the blocks that locks are cut out of as
+    well, and without any where the locks cannot be made.
+    """
+    blocks, rows, near = blocks_and_rows(description, folder)
+    condensed = {pair: row for pair, row in rows.items() if row.locks.condensed}
+    cut = {name for pair in rows.keys() - condensed.keys() for name in pair}
+    names = {name for pair in condensed for name in pair} - cut
+    if not names:
+        return []
+    try:
+        made = solids(blocks, condensed, near=near)
+    except ValueError:
+        return []
+    return [each for each in made if each.name in names]
+
+
+def _made(solid: Solid) -> dict[str, Any]:
+    return {
+        "points": [_rounded(place) for place in solid.places],
+        "triangles": solid.triangles.tolist(),
+        "edges": edge_vertices(solid).tolist(),
+    }
 
 
 def _solid(faces: Sequence[Floats]) -> dict[str, Any]:

@@ -7,11 +7,19 @@ const VIEWS = { // from where, in directions
 const WHOLE = 0.15; // of the structure's size: the largest displacement that is drawn
 const LONGEST = 1; // of the mean diagonal of free blocks: the line of the largest resultant
 const NEXT_TO_NOTHING = 0.01; // of the largest resultant: interfaces that carry less are grey, without a line
-const AWAY = 1.15; // of the diagonal of the box around it: how far the eye is
+const HALF_VIEW = Math.tan(Math.PI / 8); // Plotly sees an angle of 45 degrees from below to above
+const NUMBERS = 130; // px beside the box around the structure, for the numbers of its axes
 const TURN = 0.25; // rad: the largest rotation that is drawn, as larger ones would distort blocks
+const BELOW = 0.14; // of the plot: room for the scale of colours
 const STEEP = 2.5; // times the height from which flat structures are seen
 const PERIOD = 4000; // ms, from rest to rest
+const APART = 0.6; // how far blocks are drawn from each other at most, see spread()
+const ARROW = 0.8; // of the diagonal of large free blocks: the largest load, and the largest reaction
+const HEAD = 0.25; // of an arrow's length: its head
+const MOST_LABELS = 12; // of reactions that are written beside their arrows
 const MARKED = "#d55e00", FORCE = "#0072b2";
+const ARROWS = { load: "#009e73", permanent: "#cc79a7", reaction: "#e69f00" };
+const THRUST = "#000000";
 const AT_REST = [0, 0, 0, 0, 0, 0];
 
 const named = (rows, column) => new Map((rows || []).map((row) => [row[column], row]));
@@ -25,26 +33,36 @@ let drawn = null; // what is chosen, prepared for drawing
 let playing = null; // the moment at which the animation began, less what it had gone through
 
 // `row`, `ofBlocks`, `ofInterfaces`: rows of the tables of structures, blocks and interfaces.
-function preparedStructure(row, shape, ofBlocks, ofInterfaces) {
+// `loads`, `reactions`, `thrust`: see loads.py and sections.py of this folder.
+function preparedStructure(row, shape, ofBlocks, ofInterfaces, { loads = null, reactions = [], thrust = [] } = {}) {
   if (!shape) return { row, shape };
   const blocks = named(ofBlocks, "block"), interfaces = named(ofInterfaces, "interface");
+  for (const each of shape.interfaces) each.ofLock = each.between.some((k) => shape.blocks[k].with !== k);
+  const middle = middleOf(shape.blocks.flatMap((block) => block.points));
   const moves = shape.blocks.map((block) => {
-    const own = blocks.get(block.name);
-    if (!own || own.move_x_m === null) return { centre: [0, 0, 0], moved: AT_REST };
-    return { centre: [own.x_m, own.y_m, own.z_m], moved: [own.move_x_m, own.move_y_m, own.move_z_m, own.turn_x, own.turn_y, own.turn_z] };
+    const own = blocks.get(block.name), apart = plus(middleOf(shape.blocks[block.with].points), middle, -1);
+    if (!own || own.move_x_m === null) return { centre: [0, 0, 0], moved: AT_REST, apart };
+    return { apart, centre: [own.x_m, own.y_m, own.z_m], moved: [own.move_x_m, own.move_y_m, own.move_z_m, own.turn_x, own.turn_y, own.turn_z] };
   });
   const points = shape.blocks.flatMap((block) => block.points);
   const size = diagonal(points);
-  const largest = Math.max(...shape.blocks.flatMap((block, k) => block.points.map((p) => norm(plus(place(p, moves[k], 1), p, -1)))));
+  const largest = Math.max(...shape.blocks.flatMap((block, k) => block.points.map((p) => norm(plus(shifted(p, moves[k].centre, moves[k].moved, 1), p, -1)))));
   const turn = Math.max(...moves.map((move) => norm(move.moved.slice(3))));
   const moving = largest > 1e-12 * size;
   const factor = moving ? Math.min((WHOLE * size) / largest, turn > 0 ? TURN / turn : Infinity) : 0;
-  const far = shape.blocks.flatMap((block, k) => block.points.map((p) => place(p, moves[k], factor)));
+  const far = shape.blocks.flatMap((block, k) => block.points.map((p) => shifted(p, moves[k].centre, moves[k].moved, factor)));
   const motion = [...blocks.values()].map((each) => each.motion).find((each) => each) || null;
-  return { row, shape, interfaces, moves, size, factor, motion, ranges: extent([...points, ...far]), forces: forcesOf(shape, interfaces) };
+  const forces = forcesOf(shape, interfaces), arrows = arrowsOf(row, shape, loads, reactions);
+  const ranges = extent([...points, ...far, ...arrows.flatMap(({ tail, tip }) => [tail, tip])]);
+  return { row, shape, interfaces, moves, size, factor, motion, ranges, forces, arrows, thrust };
 }
 
-const place = (p, { centre, moved }, factor) => shifted(p, centre, moved, factor);
+const place = (p, { centre, moved, apart }, factor) => plus(shifted(p, centre, moved, factor), apart, spread());
+
+// How far blocks are drawn from each other, over how far their centroids are from the middle.
+const spread = () => (APART * Number(at("structure-apart").value)) / 100;
+
+const middleOf = (points) => extent(points).map(([lo, hi]) => (lo + hi) / 2);
 
 // A point of an interface moves as the mean of the two blocks there do.
 function placeBetween(p, [below, above], moves, factor) {
@@ -53,9 +71,54 @@ function placeBetween(p, [below, above], moves, factor) {
 
 const diagonal = (points) => norm(extent(points).map(([lo, hi]) => hi - lo));
 
+function meanDiagonal(shape) {
+  const free = shape.blocks.filter((block) => !block.fixed);
+  return free.reduce((sum, block) => sum + diagonal(block.points), 0) / free.length;
+}
+
+// Large blocks count more than locks.
+function largeDiagonal(shape) {
+  const sizes = shape.blocks.filter((block) => !block.fixed).map((block) => diagonal(block.points));
+  return sizes.reduce((sum, size) => sum + size ** 2, 0) / sizes.reduce((sum, size) => sum + size, 0);
+}
+
+// A vector turned by an angle (rad) about an axis of length 1.
+function turned(v, axis, angle) {
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const along = axis.reduce((sum, a, k) => sum + a * v[k], 0), across = cross(axis, v);
+  return v.map((each, k) => each * Math.cos(angle) + across[k] * Math.sin(angle) + axis[k] * along * (1 - Math.cos(angle)));
+}
+
+// Those components of a force that are more than next to nothing, a line each.
+function components(force) {
+  const told = ["x", "y", "z"].map((name, k) => [name, force[k]]).filter(([, v]) => Math.abs(v) > NEXT_TO_NOTHING * norm(force));
+  return told.map(([name, v]) => `R${name} ${short(v)} N`).join("<br>");
+}
+
+// Loads and reactions as arrows, each kind with its own scale; `at`: the end that stays in place.
+function arrowsOf(row, shape, loads, reactions) {
+  const longest = ARROW * largeDiagonal(shape), numbers = new Map(shape.blocks.map((block, k) => [block.name, k]));
+  const tilt = row.tilt_degrees, load = row.load_N;
+  const found = [];
+  const add = (kind, list, forceOf, textOf, labelFor = (force) => `${short(norm(force))} N`) => {
+    const most = Math.max(0, ...list.map((one) => norm(forceOf(one))));
+    for (const one of list) {
+      const force = forceOf(one), along = force.map((v) => (longest * v) / most);
+      const [tail, tip] = one.point ? [plus(one.at, along, -1), one.at] : [one.at, plus(one.at, along)];
+      if (most > 0) found.push({ kind, tail, tip, anchor: one.at, block: numbers.get(one.block), text: textOf(one, force), label: one.point ? labelFor(force) : "" });
+    }
+  };
+  const loaded = (one, force) => `${one.block}<br>load ${short(norm(force))} N`;
+  if (loads && loads.axis && tilt !== null && tilt !== undefined) add("load", loads.variable, (one) => turned(one.force, loads.axis, (tilt * Math.PI) / 180), (one, force) => `${one.block}<br>weight ${short(norm(force))} N`);
+  else if (loads && load !== null) add("load", loads.variable, (one) => one.force.map((v) => v * load), loaded);
+  if (loads) add("permanent", loads.permanent, (one) => one.force, (one, force) => `${one.block}<br>permanent load ${short(norm(force))} N`);
+  const told = reactions.map((one) => ({ ...one, block: one.support, at: one.at && norm(plus(one.at, one.middle, -1)) <= one.reach ? one.at : one.middle, point: true }));
+  add("reaction", told, (one) => one.force, (one, force) => `${one.support}<br>reaction ${short(norm(force))} N<br>Rx ${short(force[0])} N, Ry ${short(force[1])} N, Rz ${short(force[2])} N`, components);
+  return found;
+}
+
 function forcesOf(shape, interfaces) {
-  const found = [], free = shape.blocks.filter((block) => !block.fixed);
-  const longest = (LONGEST * free.reduce((sum, block) => sum + diagonal(block.points), 0)) / free.length;
+  const found = [], longest = LONGEST * meanDiagonal(shape);
   for (const each of shape.interfaces) {
     const row = interfaces.get(each.name);
     if (!row) continue;
@@ -94,22 +157,22 @@ function blockTraces({ shape, moves, factor }, share) {
     addMesh(block.fixed ? fixed : free, points, block.triangles, block.fixed ? `${block.name}, fixed` : block.name);
     for (const edge of block.edges) addLine(edges, closedLine(points, edge));
   });
-  const shown = at("structure-blocks").checked;
+  const how = at("structure-blocks").value, shown = how !== "outlines", whole = how === "solid";
   return [
-    solid(fixed, { color: "#6b7280", opacity: 0.55 }),
-    solid(free, { color: "#c9ced8", opacity: shown ? 0.3 : 0, hoverinfo: shown ? "text" : "skip" }),
-    lineTrace(edges, { color: "#7a8394", width: 1.5 }),
+    solid(fixed, { color: "#6b7280", opacity: whole ? 1 : 0.35 }),
+    solid(free, { color: "#c9ced8", opacity: whole ? 1 : shown ? 0.3 : 0, hoverinfo: shown ? "text" : "skip" }),
+    lineTrace(edges, whole ? { color: "#3a4150", width: 2.5 } : { color: "#7a8394", width: 1.5 }),
   ];
 }
 
-// A dry interface that turns about its edge; nodes lie on it to a thousandth.
-const isHinge = (row) => row.bonded_share === 0 && row.eccentricity !== null && row.eccentricity >= 0.999;
+// A dry interface that turns about its edge, not of a lock; nodes lie on it to a thousandth.
+const isHinge = (each, row) => !each.ofLock && row.bonded_share === 0 && row.eccentricity !== null && row.eccentricity >= 0.999;
 
-function toldOf(name, row) {
-  if (!row) return name;
+function toldOf(each, row) {
+  if (!row) return each.name;
   const used = row.utilisation === null ? "" : `<br>utilisation ${short(row.utilisation)}`;
-  const hinge = isHinge(row) ? "<br>hinge (resultant at the edge)" : "";
-  return `${name}${used}${hinge}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
+  const hinge = isHinge(each, row) ? "<br>hinge (resultant at the edge)" : "";
+  return `${each.name}${used}${hinge}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
 }
 
 function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, share) {
@@ -119,7 +182,7 @@ function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, shar
     const own = interfaces.get(each.name);
     const points = each.points.map((p) => placeBetween(p, each.between, moves, share * factor));
     const used = own && own.utilisation !== null && carrying.has(own);
-    addMesh(used ? known : unknown, points, each.triangles, toldOf(each.name, own));
+    addMesh(used ? known : unknown, points, each.triangles, toldOf(each, own));
     if (used) intensity.push(...each.triangles.map(() => own.utilisation));
     if (each.name === row.first_interface) for (const edge of each.edges) addLine(marked, closedLine(points, edge));
   }
@@ -137,16 +200,54 @@ function forceTraces({ forces, moves, factor }, share) {
     for (const { each, row, size, acts, point, half } of forces) {
       const here = placeBetween(point, each.between, moves, share * factor);
       addLine(lines, [plus(here, half, -1), plus(here, half)]);
-      const text = `${short(size)} N<br>${toldOf(each.name, row)}${acts ? "" : "<br>acts outside the interface; drawn at its centroid"}`;
-      addLine(!acts ? elsewhere : isHinge(row) ? hinges : acting, [here], text);
+      const text = `${short(size)} N<br>${toldOf(each, row)}${acts ? "" : "<br>acts outside the interface; drawn at its centroid"}`;
+      addLine(!acts ? elsewhere : isHinge(each, row) ? hinges : acting, [here], text);
     }
   }
   return [
     lineTrace(lines, { color: FORCE, width: 5 }),
     lineTrace(acting, {}, { mode: "markers", marker: { size: 2, color: FORCE }, hoverinfo: "text" }),
-    lineTrace(hinges, {}, { mode: "markers", name: "hinges", marker: { size: 7, color: FORCE }, hoverinfo: "text" }),
+    lineTrace(hinges, {}, { mode: "markers", name: "hinges", marker: { size: 5, color: FORCE }, hoverinfo: "text" }),
     lineTrace(elsewhere, {}, { mode: "markers", marker: { size: 4, color: FORCE, symbol: "circle-open" }, hoverinfo: "text" }),
   ];
+}
+
+// An arrow: its shaft, and four lines that spread from its tip.
+function addArrow(lines, tail, tip) {
+  const along = plus(tip, tail, -1), smallest = along.map(Math.abs).indexOf(Math.min(...along.map(Math.abs)));
+  const side = [0, 1, 2].map((k) => (k === smallest ? 1 : 0));
+  const across = side.map((v, k) => v - (along[k] * along[smallest]) / norm(along) ** 2);
+  addLine(lines, [tail, tip]);
+  for (let quarter = 0; quarter < 4; quarter += 1) {
+    const out = turned(across, along.map((v) => v / norm(along)), (quarter * Math.PI) / 2);
+    addLine(lines, [tip, plus(plus(tip, along, -HEAD), out, (0.4 * HEAD * norm(along)) / norm(across))]);
+  }
+}
+
+function arrowTraces({ arrows, moves, factor }, share) {
+  const shown = at("structure-loads").checked;
+  const few = arrows.filter(({ kind }) => kind === "reaction").length <= MOST_LABELS;
+  return Object.entries(ARROWS).flatMap(([kind, color]) => {
+    const lines = newLines(), ends = newLines();
+    for (const arrow of shown ? arrows.filter((one) => one.kind === kind) : []) {
+      const moved = plus(place(arrow.anchor, moves[arrow.block], share * factor), arrow.anchor, -1);
+      const [tail, tip] = [plus(arrow.tail, moved), plus(arrow.tip, moved)];
+      addArrow(lines, tail, tip);
+      addLine(ends, [tail], arrow.text);
+      ends.label = [...(ends.label || []), few ? arrow.label : "", ""];
+    }
+    const { label, ...points } = ends;
+    return [
+      lineTrace(lines, { color, width: 6 }),
+      lineTrace({ ...points, text: label || [], hovertext: points.text }, {}, { mode: "markers+text", textposition: "top center", textfont: { color: "#000000" }, marker: { size: 3, color }, hoverinfo: "text", name: kind }),
+    ];
+  });
+}
+
+function thrustTraces({ thrust, moves, factor }, share) {
+  const lines = newLines();
+  if (at("structure-thrust").checked) for (const line of thrust) addLine(lines, line.map(({ point, between }) => placeBetween(point, between, moves, share * factor)));
+  return [lineTrace(lines, { color: THRUST, width: 6 }, { name: "thrust line" })];
 }
 
 // What is flat is looked at more from above.
@@ -155,18 +256,29 @@ function seenFrom([x, y, z]) {
   return name.startsWith("from the") && z < 0.5 * Math.min(x, y) ? [view[0], view[1], STEEP * view[2]] : view;
 }
 
+// How far the eye must be to see all of a box, in the unit of its sides; `width`, `height`: px.
+function distance(sides, view, width, height) {
+  const half = [width, height].map((v) => (HALF_VIEW * Math.max(v - NUMBERS, 0.5 * v)) / height);
+  const [x, y, z] = view.map((v) => v / norm(view)), level = Math.hypot(x, y);
+  const corners = [-0.5, 0.5].flatMap((i) => [-0.5, 0.5].flatMap((j) => [-0.5, 0.5].map((k) => [i * sides[0], j * sides[1], k * sides[2]])));
+  return Math.max(...corners.map(([a, b, c]) => {
+    const across = Math.abs(b * x - a * y) / level, up = Math.abs(c * level - ((a * x + b * y) * z) / level);
+    return a * x + b * y + c * z + Math.max(across / half[0], up / half[1]);
+  }));
+}
+
 function drawStructure() {
   const share = Number(at("structure-motion").value) / 100;
   tellMotion(share);
   if (!drawn.shape) return Promise.resolve();
-  const ranges = drawn.ranges.map(([lo, hi]) => [lo - 0.02 * drawn.size, hi + 0.02 * drawn.size]);
+  const ranges = drawn.ranges.map(([lo, hi]) => [-1, 1].map((side) => (lo + hi) / 2 + side * ((1 + spread()) * (hi - lo) / 2 + 0.02 * drawn.size)));
   const lengths = ranges.map(([lo, hi]) => hi - lo), most = Math.max(...lengths);
   const ratio = lengths.map((v) => v / most), view = seenFrom(lengths);
-  const plot = at("structure-plot"), away = AWAY * norm(ratio) * Math.max(1, plot.clientHeight / plot.clientWidth);
+  const plot = at("structure-plot"), away = distance(ratio, view, plot.clientWidth, plot.clientHeight * (1 - BELOW));
   const eye = view.map((v) => (away * v) / norm(view));
   const side = (name, k) => ({ title: { text: `${name} (m)` }, range: ranges[k], showbackground: false, showspikes: false, zeroline: false, nticks: Math.max(2, Math.round(6 * ratio[k])) });
-  const scene = { aspectmode: "manual", aspectratio: toXyz(ratio), dragmode: "orbit", camera: { eye: toXyz(eye) }, domain: { y: [0.14, 1] }, xaxis: side("x", 0), yaxis: side("y", 1), zaxis: side("z", 2) };
-  const traces = [...blockTraces(drawn, share), ...interfaceTraces(drawn, share), ...forceTraces(drawn, share)];
+  const scene = { aspectmode: "manual", aspectratio: toXyz(ratio), dragmode: "orbit", camera: { eye: toXyz(eye) }, domain: { y: [BELOW, 1] }, xaxis: side("x", 0), yaxis: side("y", 1), zaxis: side("z", 2) };
+  const traces = [...blockTraces(drawn, share), ...interfaceTraces(drawn, share), ...forceTraces(drawn, share), ...arrowTraces(drawn, share), ...thrustTraces(drawn, share)];
   return chart("structure-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: `${drawn.row.structure} ${at("structure-view").value}` });
 }
 
@@ -235,6 +347,8 @@ function showStructure(prepared) {
   drawn = prepared;
   at("structure-motion").value = 0;
   at("structure-plot").hidden = !drawn.shape;
+  at("structure-loads").parentElement.hidden = !drawn.shape || !drawn.arrows.length;
+  at("structure-thrust").parentElement.hidden = !drawn.shape || !drawn.thrust.length;
   tellLongest();
   drawStructure();
 }
@@ -242,6 +356,7 @@ function showStructure(prepared) {
 function startDrawing() {
   fill(at("structure-view"), Object.keys(VIEWS), "from the left");
   at("structure-motion").addEventListener("input", () => { stop(); drawStructure(); });
-  for (const part of ["view", "blocks", "forces"]) at(`structure-${part}`).addEventListener("change", drawStructure);
+  at("structure-apart").addEventListener("input", drawStructure);
+  for (const part of ["view", "blocks", "forces", "loads", "thrust"]) at(`structure-${part}`).addEventListener("change", drawStructure);
   at("structure-play").addEventListener("click", play);
 }

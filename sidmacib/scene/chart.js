@@ -17,7 +17,7 @@ const theme = () => (darkScreen.matches && !printing ? DARK : LIGHT);
 
 function recoloured(value, instead) {
   if (Array.isArray(value) || value === null || typeof value !== "object") return instead[value] || value;
-  return Object.fromEntries(Object.entries(value).map(([key, each]) => [key, /^(color|line|marker|error_y)$/.test(key) ? recoloured(each, instead) : each]));
+  return Object.fromEntries(Object.entries(value).map(([key, each]) => [key, /^(color|line|marker|error_y|textfont)$/.test(key) ? recoloured(each, instead) : each]));
 }
 
 const onAxes = (layout, { grid, zero }) => Object.fromEntries(Object.entries(layout).map(([key, value]) => [key, /^[xyz]axis\d*$/.test(key) ? { automargin: true, gridcolor: grid, zerolinecolor: zero, ...value } : key === "scene" ? onAxes(value, { grid, zero }) : value]));

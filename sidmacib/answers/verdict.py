@@ -1,0 +1,109 @@
+"""Whether a structure carries a load, and by what factor.
+
+The load that counts in the static model decides. Where that model has no answer limit analysis
+does, which may overestimate, and the words say so. Where blocks have a compressive strength, which
+only limit analysis considers, the lower of both loads decides.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from sidmacib.answers.structure import StaticAnswer, bond_fails
+from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.crushing import crushed_faces
+
+if TYPE_CHECKING:  # limit analysis loads solvers of programmes
+    from sidmacib.mechanics.limit import LimitState
+
+    Limit = LimitState | CapacityError
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is carried over the ``newtons`` (N) that are to be carried, and what follows.
+
+    ``factor``: of the load that decides; ``first``, ``peak``: of the first failure and the peak in
+    the static model; ``limit``: of limit analysis; None where there is no answer, or no limit.
+    ``words``: without yes or no; ``note``: what the factors rest on.
+    """
+
+    newtons: float
+    passes: bool
+    words: str
+    note: str = ""
+    factor: float | None = None
+    first: float | None = None
+    peak: float | None = None
+    limit: float | None = None
+
+    def __str__(self) -> str:
+        return f"{'Yes' if self.passes else 'No'}: {self.reasons}"
+
+    @property
+    def reasons(self) -> str:
+        """The words and the note."""
+        return "; ".join(filter(None, (self.words, self.note)))
+
+
+def verdict(newtons: float, static: StaticAnswer | CapacityError, limit: "Limit") -> Verdict:
+    """The verdict on a load of ``newtons``, by the answers of both models."""
+    most = None if isinstance(limit, CapacityError) else limit.load / newtons
+    falls = next((e for e in (static, limit) if _falls(e)), None)
+    if isinstance(static, StaticAnswer) and not (falls and crushed_faces(static.assembly)):
+        return _by_static(newtons, static, most)
+    if falls is not None:
+        return Verdict(newtons, False, _plain(str(falls)), limit=most)
+    if isinstance(limit, UnboundedError):
+        words = f"{_carries(newtons, passes=True)} and any multiple of it"
+        return Verdict(
+            newtons, True, words, "neither bending nor splitting of blocks is considered"
+        )
+    if most is None:
+        return Verdict(newtons, False, "no model has an answer", f"{static}; {limit}")
+    words = f"{_carries(newtons, passes=most >= 1.0)} with a factor of {most:.3g} to the limit"
+    note = f"limit analysis, which may overestimate; the static model has no answer: {static}"
+    return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
+
+
+def _by_static(newtons: float, static: StaticAnswer, most: float | None) -> Verdict:
+    first, peak = static.failures.first / newtons, static.failures.peak / newtons
+    factor, error = static.load / newtons, static.mesh_error or 0.0
+    factors, notes = f"{peak:.3g}", []
+    if bond_fails(static.failures):
+        factors = f"{first:.3g} to the first failure, {peak:.3g} to the peak"
+        notes.append(str(static.counts))
+    if abs(factor - 1.0) < error * factor:
+        notes.append(f"the mesh error of {100.0 * error:.2g} % leaves it open")
+    if most is not None and most < factor and crushed_faces(static.assembly):
+        factors = f"{most:.3g} to the limit with crushing, {factors}"
+        factor, notes = most, ["only limit analysis considers crushing"]
+    words = f"{_carries(newtons, passes=factor >= 1.0)} with a factor of {factors}"
+    return Verdict(newtons, factor >= 1.0, words, "; ".join(notes), factor, first, peak, most)
+
+
+def _carries(newtons: float, *, passes: bool) -> str:
+    size = f"{newtons:.0f}" if newtons >= 1e4 else f"{newtons:.4g}"
+    return f"it {'carries' if passes else 'does not carry'} {size} N"
+
+
+def governing(verdicts: Sequence[Verdict]) -> int:
+    """The index of the verdict that governs: one without an answer, else the lowest factor."""
+
+    def key(number: int) -> tuple[bool, float]:
+        each = verdicts[number]
+        return each.passes, -1.0 if each.factor is None and not each.passes else _size(each)
+
+    return min(range(len(verdicts)), key=key)
+
+
+def _size(of: Verdict) -> float:
+    return float("inf") if of.factor is None else of.factor
+
+
+def _falls(error: object) -> bool:
+    return isinstance(error, NoEquilibriumError | InfeasibleError)
+
+
+def _plain(words: str) -> str:
+    return words[:1].lower() + words[1:]

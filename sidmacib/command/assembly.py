@@ -1,0 +1,130 @@
+"""What the command `assembly` prints and writes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sidmacib.command.answers import Row
+from sidmacib.command.output import say, text_of
+from sidmacib.command.structures import interface_rows, limit_of, static_of, structure_notes
+from sidmacib.command.verdicts import (
+    case_rows,
+    chosen_case,
+    demanded_rows,
+    require_load,
+    reserve_rows,
+    without_loads,
+)
+from sidmacib.structure.files.structure_file import Demand, demands_of
+from sidmacib.structure.loads import SupportMotion
+
+Answered = tuple[Sequence[Row] | None, bool]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is asked for.
+
+    ``form``: of the table; ``interfaces``: their forces in place of loads; ``case``: one load case;
+    ``without_load``: the reserve in place of the file's loads; and the files to be written.
+    """
+
+    form: str
+    interfaces: bool
+    case: str | None
+    without_load: bool
+    compas: Path | None
+    curve: Path | None
+    picture: Path | None
+    report: Path | None
+    note: Path | None
+
+    @property
+    def still(self) -> Path | None:
+        """The file for a picture of the structure, not of the capacity curve."""
+        return self.picture if self.curve is None else None
+
+    @property
+    def draws(self) -> bool:
+        """Whether a page, a picture or a note is asked for."""
+        return any(path is not None for path in (self.report, self.still, self.note))
+
+
+def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
+    """Print and write what is wanted of a ``description`` in a ``file``.
+
+    Returns rows, at least one of which must have a number, or None; and whether the verdict is yes.
+    """
+    if wanted.without_load:
+        description = without_loads(description)
+    demands = demands_of(description, file.parent)
+    notes = structure_notes(demands[0].problem, description)
+    for line in notes:
+        click.echo(f"Note: {line}", err=True)
+    if wanted.case is not None:
+        demands = (chosen_case(demands, wanted.case),)
+    elif demands[0].case is not None or not demands[0].raises:
+        return _of_several(demands, wanted)
+    if isinstance(demands[0].problem.loads, SupportMotion):
+        return _of_support(file, demands[0], wanted)
+    return _of_load(file, description, demands[0], notes, wanted)
+
+
+def _of_several(demands: Sequence[Demand], wanted: Wanted) -> Answered:
+    """The verdict on load cases, or what there is in reserve without a load."""
+    require_load(demands, interfaces=wanted.interfaces, compas=wanted.compas)
+    require_load(demands, capacity_curve=wanted.curve, picture=wanted.picture)
+    require_load(demands, report=wanted.report, note=wanted.note)
+    rows, words, passes = case_rows(demands) if demands[0].raises else reserve_rows(demands)
+    say(words, wanted.form)
+    click.echo(text_of(rows, wanted.form))
+    return None, passes
+
+
+def _of_support(file: Path, demand: Demand, wanted: Wanted) -> Answered:
+    from sidmacib.command.displacements import support_rows, write_curve
+
+    for name in ("interfaces", "compas", "report", "note"):
+        if getattr(wanted, name):
+            raise click.UsageError(f"--{name}: must not be given where a support moves")
+    rows, moves = support_rows(demand.problem)
+    click.echo(text_of(rows, wanted.form))
+    write_curve(moves, file.stem, wanted.curve, wanted.picture)
+    return None, True
+
+
+def _of_load(
+    file: Path, description: Any, demand: Demand, notes: Sequence[str], wanted: Wanted
+) -> Answered:
+    problem, passes, words = demand.problem, True, ""
+    rows: list[Row] = []
+    asked = wanted.draws or not wanted.interfaces
+    limit = limit_of(problem) if asked or wanted.compas is not None else None
+    static = static_of(problem) if asked else None
+    if static is not None:
+        rows, found = demanded_rows(demand, limit, static)
+        if found is not None:
+            passes, words = found.passes, str(found)
+    if words:
+        say(words, wanted.form)
+    shown = interface_rows(problem) if wanted.interfaces else rows
+    click.echo(text_of(shown, wanted.form))
+    if wanted.compas is not None:
+        from sidmacib.structure.files.compas_results import write_compas_results
+
+        write_compas_results(problem, file, wanted.compas, limit)
+    if wanted.draws and static is not None:
+        from sidmacib.command.structure_views import Views
+
+        views = Views.of(file, description, problem, limit, static, notes, words)
+        views.write(rows, wanted.report, wanted.still, wanted.note)
+    if wanted.curve is not None:
+        from sidmacib.command.displacements import curve_rows, write_curve
+
+        moves, end = curve_rows(problem)
+        click.echo(f"Capacity curve: {end}.", err=True)
+        write_curve(moves, file.stem, wanted.curve, wanted.picture)
+    return shown, passes

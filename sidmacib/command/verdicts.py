@@ -1,0 +1,162 @@
+"""Output of the command where a structure's file says what is to be carried."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from sidmacib.answers.structure import StaticAnswer
+from sidmacib.answers.structure_reserve import Reserve, reserve
+from sidmacib.answers.verdict import Verdict, governing, verdict
+from sidmacib.command.answers import Row
+from sidmacib.command.structures import limit_of, static_of, structure_rows
+from sidmacib.errors import CapacityError, InfeasibleError
+from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.crushing import crushed_faces
+from sidmacib.mechanics.limit import LimitState
+from sidmacib.problem import Problem
+from sidmacib.structure.analysis.reserve import Push
+from sidmacib.structure.analysis.tilt import moves_most
+from sidmacib.structure.files.structure_file import Demand
+from sidmacib.validation import refused
+
+
+def demanded_rows(
+    demand: Demand,
+    limit: LimitState | CapacityError | None,
+    static: StaticAnswer | CapacityError,
+) -> tuple[list[Row], Verdict | None]:
+    """`structure_rows` with factors, and the verdict, where a load is to be carried."""
+    rows = structure_rows(demand.problem, limit, static)
+    if demand.newtons is None or limit is None:
+        return rows, None
+    for row in rows:
+        load = row["load (N)"]
+        row["factor"] = None if load is None else load / demand.newtons
+    head = [key for key in rows[0] if key != "factor"]
+    head.insert(head.index("load (N)") + 1, "factor")
+    ordered = [{key: row[key] for key in head} for row in rows]
+    return ordered, verdict(demand.newtons, static, limit)
+
+
+def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
+    """One row for each load case, the verdict on all of them, and whether all are carried."""
+    found = []
+    for demand in demands:
+        assert demand.newtons is not None, "a load case says what is to be carried"
+        limit = limit_of(demand.problem)
+        assert limit is not None, "no load case tilts a structure"
+        found.append(verdict(demand.newtons, static_of(demand.problem), limit))
+    first = governing(found)
+    rows: list[Row] = [
+        {
+            "case": demand.case,
+            "required (N)": each.newtons,
+            "carried": "yes" if each.passes else "no",
+            "factor": each.factor,
+            "to first failure": each.first,
+            "to peak": each.peak,
+            "to limit": each.limit,
+            "governs": "yes" if number == first else "",
+            "note": each.note or each.words,
+        }
+        for number, (demand, each) in enumerate(zip(demands, found, strict=True))
+    ]
+    passes = all(each.passes for each in found)
+    carried = f"all {len(found)} cases" if passes else _named(demands, found)
+    words = f"{demands[first].case} governs: {found[first].reasons}"
+    return rows, f"{'Yes' if passes else 'No'}: {carried}; {words}", passes
+
+
+def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
+    """What a structure has in reserve without a load, the verdict, and whether it stands."""
+    (problem,) = (demand.problem for demand in demands)
+    try:
+        found = reserve(problem)
+    except CapacityError as error:
+        words, falls = str(error), isinstance(error, InfeasibleError)
+        said = f"{'No' if falls else 'No answer'}: {_lower(words)}"
+        return [_reserve_row("limit", "stands", None, words)], said, False
+    rows = [
+        _reserve_row(
+            "limit", "geometrical safety factor", found.factor, _factor_note(problem, found.factor)
+        )
+    ]
+    if crushed_faces(problem.assembly):
+        note = "how many times as large as they need to be they are"
+        note = note if found.strength else "no limit: more than 100"
+        rows.append(_reserve_row("limit", "factor of compressive strengths", found.strength, note))
+    least = [] if found.least is None else [("least", found.least)]
+    axes = [("", push) for push in found.tried if 1.0 in map(abs, push.direction)]
+    for name, push in (*least, *axes):
+        tilt = "" if push.tilt is None else f"a tilt of {push.tilt:.4g} degrees; "
+        note = f"{tilt}largest displacement: {moves_most(problem.assembly, push.mechanism)}"
+        what = f"{name} horizontal acceleration (g), towards {_way(push)}".lstrip()
+        rows.append(_reserve_row("limit", what, push.acceleration, note))
+    rows.append(_reserve_row("static", "stands", None, found.static or "in equilibrium"))
+    if found.falls:
+        return rows, f"No: {_lower(found.static)} in the static model", False
+    return rows, f"Yes: {_stands(found)}", True
+
+
+def _reserve_row(model: str, what: str, value: float | None, note: str) -> Row:
+    return {"model": model, "reserve": what, "value": value, "note": note}
+
+
+def _factor_note(problem: Problem, factor: float | None) -> str:
+    if factor is not None:
+        return "how many times as large as they need to be the interfaces are"
+    if all(face.kind is Kind.DRY for face in problem.assembly.faces):
+        return "no limit: more than 100"
+    return "for dry interfaces only"
+
+
+def _stands(found: Reserve) -> str:
+    words = "it stands"
+    if found.factor is not None:
+        words += f", with a geometrical safety factor of {found.factor:.3g}"
+    push = found.least
+    if push is None:
+        words += "; no horizontal acceleration fells it in limit analysis"
+    else:
+        tilt = "" if push.tilt is None else f", a tilt of {push.tilt:.3g} degrees"
+        words += f"; it falls at {push.acceleration:.3g} g towards {_way(push)}{tilt}"
+    return f"{words}; the static model: {found.static}" if found.static else words
+
+
+def _way(push: Push) -> str:
+    return f"({', '.join(f'{each:.3g}' for each in push.direction[:2])})"
+
+
+def _lower(words: str) -> str:
+    return words[:1].lower() + words[1:]
+
+
+def chosen_case(demands: Sequence[Demand], name: str) -> Demand:
+    """The load case called ``name``; ValueError if there is none."""
+    names = [str(demand.case) for demand in demands if demand.case is not None]
+    if not names:
+        raise ValueError(f"--case {name}: the file has no load_cases")
+    if name not in names:
+        raise refused("--case", name, " or ".join(names))
+    return demands[names.index(name)]
+
+
+def _named(demands: Sequence[Demand], found: Sequence[Verdict]) -> str:
+    names = [str(d.case) for d, each in zip(demands, found, strict=True) if not each.passes]
+    return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} not carried"
+
+
+def without_loads(description: Any) -> Any:
+    """A ``description`` in plain values without what is raised."""
+    if not isinstance(description, dict):
+        return description
+    return {key: value for key, value in description.items() if key not in ("load", "load_cases")}
+
+
+def require_load(demands: Sequence[Demand], **options: object) -> None:
+    """`click.UsageError` for an option that is given and has an answer for one load only."""
+    for name, value in options.items():
+        if value:
+            needs = "a load" if not demands[0].raises else "--case, as the file has load_cases"
+            raise click.UsageError(f"--{name.replace('_', '-')}: needs {needs}")

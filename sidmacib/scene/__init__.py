@@ -1,0 +1,1 @@
+"""A structure in three dimensions: shapes, loads and forces, drawn in pages and pictures."""

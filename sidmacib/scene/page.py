@@ -1,0 +1,49 @@
+"""A page that shows what models say of a structure: data, styles and scripts in one file."""
+
+import importlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+HERE = Path(__file__).parent
+SCRIPTS = ("chart.js", "parts.js", "structure.js", "report.js")
+DIGITS = 7  # of numbers that are drawn
+PACKAGE = "plotly.offline"
+
+
+def page(data: Mapping[str, Any], words: Mapping[str, Any]) -> str:
+    """The page as HTML, which needs no network.
+
+    ``data``: ``shape``, ``loads``, and for each of ``models`` its label and the values of `Drawn`;
+    ``words``: of the template. ValueError without the package plotly.
+    """
+    try:
+        plotly = importlib.import_module(PACKAGE).get_plotlyjs()
+    except ImportError:
+        raise ValueError("needs the package plotly: pip install multilock[report]") from None
+    environment = Environment(
+        loader=FileSystemLoader(HERE), undefined=StrictUndefined, autoescape=True
+    )
+    # Names of blocks may hold anything: nothing in them ends the script that they are in.
+    text = json.dumps(_short(data), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    return environment.get_template("report.html.j2").render(
+        data=text,
+        plotly=plotly,
+        style=(HERE / "report.css").read_text(),
+        script="".join((HERE / name).read_text() for name in SCRIPTS),
+        **words,
+    )
+
+
+def _short(value: Any) -> Any:
+    """``value`` with fewer digits, to save room."""
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    if isinstance(value, Mapping):
+        return {key: _short(each) for key, each in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_short(each) for each in value]
+    return value

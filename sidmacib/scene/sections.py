@@ -1,0 +1,166 @@
+"""Reactions of supports and lines of thrust, from the resultants of interfaces."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Assembly, Face, Floats, Vector
+from sidmacib.scene.solids import owners_of
+from sidmacib.structure.analysis.rows import InterfaceRow
+
+STEEP = 1e-6  # of a force: a part along the normal below leaves no point of action
+
+
+@dataclass(frozen=True)
+class Section:
+    """What several interfaces carry together.
+
+    ``force`` in N; ``middle`` (m) of the interfaces; ``at``: the point (m) through which the force
+    acts in their mean plane, torsion apart; None where it is along that plane. ``reach``: diagonal
+    of the box around them, m.
+    """
+
+    force: Vector
+    middle: Vector
+    at: Vector | None
+    reach: float
+
+    @property
+    def near(self) -> Vector | None:
+        """That point; None where it is out of reach, as where bonds carry the bending."""
+        if self.at is None or math.dist(self.at, self.middle) > self.reach:
+            return None
+        return self.at
+
+
+@dataclass(frozen=True)
+class Reaction(Section):
+    """What a fixed block, ``support``, exerts on the pieces that touch it."""
+
+    support: str
+
+
+Carried = tuple[Face, InterfaceRow, float]  # with the sign of its force
+
+
+def forces_of(assembly: Assembly, rows: Sequence[InterfaceRow]) -> dict[str, Any]:
+    """`reactions` and `thrust` as plain values."""
+    return {
+        "reactions": [asdict(each) for each in reactions(assembly, rows)],
+        "thrust": thrust(assembly, rows),
+    }
+
+
+def reactions(assembly: Assembly, rows: Sequence[InterfaceRow]) -> tuple[Reaction, ...]:
+    """The reaction of each fixed block that touches a piece which can move.
+
+    ``rows``: of all interfaces; none if there are no forces.
+    """
+    fixed = [piece.fixed for piece in assembly.pieces]
+    found: dict[int, list[Carried]] = {}
+    for face, row in zip(assembly.faces, rows, strict=False):
+        if fixed[face.below] != fixed[face.above]:
+            support = face.below if fixed[face.below] else face.above
+            sign = 1.0 if support == face.below else -1.0
+            found.setdefault(support, []).append((face, row, sign))
+    return tuple(
+        Reaction(**_whole(carried), support=assembly.pieces[number].name)
+        for number, carried in found.items()
+    )
+
+
+def total(found: Iterable[Reaction]) -> Vector:
+    """The sum of the forces, N."""
+    return _vector(np.sum([each.force for each in found], axis=0))
+
+
+def thrust(assembly: Assembly, rows: Sequence[InterfaceRow]) -> list[list[dict[str, Any]]]:
+    """Lines of thrust: along each row of blocks, as of an arch or a stack, the points of action.
+
+    Each with its ``point`` (m) and the numbers of the two blocks, ``between``. Locks count with
+    their blocks. None if a block touches more than two others, without ``rows``, and where a force
+    acts out of reach of a joint.
+    """
+    owners = owners_of(assembly)
+    found: dict[tuple[int, int], list[Carried]] = {}
+    for face, row in zip(assembly.faces, rows, strict=False):
+        one, other = owners[face.below], owners[face.above]
+        if one != other:
+            sign = 1.0 if one < other else -1.0
+            found.setdefault((min(one, other), max(one, other)), []).append((face, row, sign))
+    free = {number for number, piece in enumerate(assembly.pieces) if not piece.fixed}
+    lines = []
+    for chain in chains(list(found), free):
+        points = [Section(**_whole(found[pair])).near for pair in chain]
+        if len(chain) > 1 and None not in points:
+            both = zip(points, chain, strict=True)
+            lines.append([{"point": [*at], "between": [*pair]} for at, pair in both if at])
+    return lines
+
+
+def chains(pairs: Sequence[tuple[int, int]], free: set[int]) -> list[list[tuple[int, int]]]:
+    """The ``pairs`` of blocks that touch along each row of ``free`` blocks, from a support on.
+
+    None if a block is in more than two of them.
+    """
+    of_block: dict[int, list[tuple[int, int]]] = {number: [] for number in free}
+    for pair in pairs:
+        for number in free.intersection(pair):
+            of_block[number].append(pair)
+    if any(len(own) > 2 for own in of_block.values()):
+        return []
+    found, left = [], {pair for pair in pairs if not free.isdisjoint(pair)}
+    for start in pairs:
+        if start not in left or free.issuperset(start):
+            continue
+        row, here = [start], start
+        left.remove(start)
+        while ahead := left.intersection(
+            pair for number in free.intersection(here) for pair in of_block[number]
+        ):
+            here = ahead.pop()
+            left.remove(here)
+            row.append(here)
+        found.append(row)
+    return found
+
+
+def _whole(carried: Sequence[Carried]) -> dict[str, Any]:
+    """The values of a `Section`."""
+    area = np.array([face.area for face, _, _ in carried])
+    sign = np.array([each for _, _, each in carried])
+    places = np.array([face.middle for face, _, _ in carried])
+    middle = area @ places / area.sum()
+    forces = sign[:, None] * np.array([_force(row) for _, row, _ in carried])
+    acts = [row_point(row) or tuple(face.middle) for face, row, _ in carried]
+    moment = np.cross(np.array(acts) - middle, forces).sum(axis=0)
+    force = forces.sum(axis=0)
+    normal = (sign * area) @ np.array([face.axes[0] for face, _, _ in carried])
+    size, at = float(np.linalg.norm(normal)), None
+    if size > 0.0:
+        unit = normal / size
+        pressed = float(force @ unit)
+        if abs(pressed) > STEEP * float(np.linalg.norm(force)):
+            at = _vector(middle + np.cross(unit, moment) / pressed)
+    corners = np.concatenate([face.corners for face, _, _ in carried])
+    reach = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    return {"force": _vector(force), "middle": _vector(middle), "at": at, "reach": reach}
+
+
+def row_point(row: InterfaceRow) -> Vector | None:
+    """The point (m) of an interface through which its resultant acts, if there is one."""
+    if row.at_x_m is None or row.at_y_m is None or row.at_z_m is None:
+        return None
+    return row.at_x_m, row.at_y_m, row.at_z_m
+
+
+def _force(row: InterfaceRow) -> Vector:
+    return row.force_x_N, row.force_y_N, row.force_z_N
+
+
+def _vector(values: Floats) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z

@@ -1,0 +1,143 @@
+"""What a structure has in reserve under permanent loads alone, by limit analysis.
+
+The geometrical safety factor: how many times as large as they need to be the interfaces are. All
+points of an interface are moved towards its middle until no admissible forces balance the permanent
+loads, which stay as they are. Of an arch this is its thickness over the least one in which a line
+of thrust fits (Heyman, The Stone Skeleton, Cambridge, 1995).
+
+The least horizontal acceleration, of all directions: accelerations that are carried beside the
+permanent loads are a convex set, and the mechanism at its edge is normal to it. So from the
+weakest of some directions the search goes on along the normal, as long as it gets nearer.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sidmacib.errors import InfeasibleError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Vector
+from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
+from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.structure.loads import StructureLoads, free_weight, pushed
+
+MOST = 100.0  # geometrical safety factor: beyond, there is no limit
+PRECISION = 1e-4  # of it, over itself
+DIRECTIONS = 8  # horizontal ones that the search begins with
+NEARER = 1e-3  # gain of a step of the search, over the acceleration, at which it ends
+STEPS = 10  # of the search, at most
+
+
+@dataclass(frozen=True, eq=False)
+class Push:
+    """The least horizontal acceleration (g) that fells a structure, its direction, and how.
+
+    ``mechanism``: as in `sidmacib.mechanics.limit.LimitState`. ``tilt``: the same as a tilt, in
+    degrees; None where that is another load.
+    """
+
+    acceleration: float
+    direction: Vector
+    mechanism: Floats
+    tilt: float | None
+
+
+def geometrical_factor(assembly: Assembly, loads: Loads) -> float | None:
+    """The geometrical safety factor; None where interfaces could be points, or are not dry.
+
+    `InfeasibleError` if the structure does not stand.
+    """
+    require_standing(assembly, loads, friction=True)
+    if any(face.kind is not Kind.DRY for face in assembly.faces):
+        return None
+    return _largest(lambda factor: _stands(_smaller(assembly, factor), loads))
+
+
+def strength_factor(assembly: Assembly, loads: Loads) -> float | None:
+    """How many times as large as it needs to be the compressive strength is.
+
+    None where there is none, or no limit up to `MOST`. `InfeasibleError` if it does not stand.
+    """
+    if not crushed_faces(assembly):
+        return None
+    require_standing(assembly, loads, friction=True)
+    return _largest(lambda factor: _stands(_weaker(assembly, factor), loads))
+
+
+def _largest(stands: Callable[[float], bool]) -> float | None:
+    """The largest factor at which a structure ``stands``; None from `MOST` on."""
+    low, high = 1.0, MOST
+    if stands(high):
+        return None
+    while high / low > 1.0 + PRECISION:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if stands(middle) else (low, middle)
+    return low
+
+
+def _smaller(assembly: Assembly, factor: float) -> Assembly:
+    """With interfaces that are smaller by a ``factor``."""
+    nodes = assembly.nodes
+    middle = np.array([face.middle for face in assembly.faces])[nodes.face]
+    smaller = replace(nodes, position=middle + (nodes.position - middle) / factor)
+    return replace(assembly, nodes=smaller)
+
+
+def _weaker(assembly: Assembly, factor: float) -> Assembly:
+    """With compressive strengths that are lower by a ``factor``."""
+    faces = list(assembly.faces)
+    for number, face, strength in crushed_faces(assembly):
+        assert isinstance(face.material, CrushedMaterial)
+        law = replace(face.material, compressive_strength=strength / factor)
+        faces[number] = replace(face, material=law)
+    return replace(assembly, faces=tuple(faces))
+
+
+def _stands(assembly: Assembly, loads: Loads) -> bool:
+    """Whether admissible forces balance the ``loads``."""
+    try:
+        require_standing(assembly, loads, friction=True)
+    except InfeasibleError:
+        return False
+    return True
+
+
+def pushes(assembly: Assembly, loads: StructureLoads) -> tuple[Push, ...]:
+    """Accelerations beside permanent ``loads`` that fell a structure, in `DIRECTIONS`.
+
+    None in those where limit analysis finds none. Errors of `limit_load`.
+    """
+    turns = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    ways = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(DIRECTIONS)])
+    found = (_push(assembly, loads, way) for way in ways)
+    return tuple(push for push in found if push is not None)
+
+
+def least_push(assembly: Assembly, loads: StructureLoads, tried: Sequence[Push]) -> Push | None:
+    """The least of all horizontal accelerations, from those that were ``tried``; None of none."""
+    if not tried:
+        return None
+    best = min(tried, key=lambda push: push.acceleration)
+    for _ in range(STEPS):
+        mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
+        normal = mass @ best.mechanism[:, :3] * np.array([1.0, 1.0, 0.0])
+        push = _push(assembly, loads, normal / np.linalg.norm(normal))
+        if push is None or push.acceleration > best.acceleration * (1.0 - NEARER):
+            break
+        best = push
+    return best
+
+
+def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None:
+    """The acceleration along a horizontal ``way``, of length 1, at which it falls."""
+    x, y, z = (np.round(way, 9) + 0.0).tolist()
+    try:
+        state = limit_load(assembly, pushed(assembly, loads, (x, y, z)), friction=True)
+    except UnboundedError:
+        return None
+    acceleration = max(state.load, 0.0) / free_weight(assembly)
+    # Admissible forces are a cone: gravity and acceleration may be scaled together.
+    cone = all(face.kind is Kind.DRY for face in assembly.faces) and not crushed_faces(assembly)
+    tilt = math.degrees(math.atan(acceleration)) if cone and loads.levers is None else None
+    return Push(acceleration, (x, y, z), state.mechanism, tilt)

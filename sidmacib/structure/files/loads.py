@@ -1,0 +1,340 @@
+"""The keys of a structure's file for loads: permanent ones, one that is raised, load cases."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import BeforeValidator, model_validator
+
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
+from sidmacib.quantities import Density, Number, Span
+from sidmacib.reading import Keys, Some, Text, Vector, Way
+from sidmacib.structure.analysis.tilt import LEVEL, Tilt, tilting
+from sidmacib.structure.interfaces import NEAR
+from sidmacib.structure.loads import (
+    Permanent,
+    acceleration,
+    force_at,
+    free_weight,
+    permanent_force,
+    support_moves,
+    support_turns,
+)
+from sidmacib.structure.pressures import Sides, pressing
+
+Newtons = Annotated[float, Number(above=0, unit="N")]
+OverWeight = Annotated[float, Number(above=0)]
+_Pressure = Annotated[float, Number(unit="Pa")]
+_AtLeastNone = Annotated[float, Number(at_least=0, unit="Pa")]
+_Level = Annotated[float, Number(unit="m")]
+_Within = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
+_Range = Annotated[tuple[float, float], Span(Number(unit="m"))]
+WATER, SOIL = 1000.0, 1800.0  # kg/m3
+
+
+class ForceSection(Keys):
+    """A force on one block."""
+
+    block: Text
+    """its name"""
+    at: Vector
+    """the point where it acts"""
+    direction: Way
+
+
+class PermanentForceSection(ForceSection):
+    """A force on one block that always acts."""
+
+    newtons: Newtons
+    """its size, N"""
+
+    def on(self, assembly: Assembly, _: float) -> Permanent:
+        """The load on ``assembly``; ValueError that names the key."""
+        return permanent_force(assembly, self.block, self.at, self.direction, self.newtons)
+
+
+def _patterns(value: Any) -> Any:
+    return (value,) if isinstance(value, str) else value
+
+
+class _OnSides(Keys):
+    blocks: Annotated[
+        tuple[Text, ...],
+        Some,
+        BeforeValidator(_patterns, json_schema_input_type=Text | tuple[Text, ...]),
+    ] = ("*",)
+    """names or patterns of free blocks, by default all"""
+    x: _Range | None = None
+    """only between these two coordinates"""
+    y: _Range | None = None
+    """likewise"""
+    z: _Range | None = None
+    """likewise"""
+
+    def _sides(self, side: tuple[float, float, float], within: float) -> Sides:
+        given = {axis: getattr(self, name) for axis, name in enumerate("xyz")}
+        bounds = {axis: each for axis, each in given.items() if each is not None}
+        return Sides(self.blocks, side, within, bounds)
+
+
+class PressureSection(_OnSides):
+    """A pressure on the sides of blocks that touch nothing; it pushes against each face."""
+
+    side: Way
+    """direction in which the faces look outwards"""
+    pascals: _Pressure
+    """the pressure, Pa; suction if it is negative"""
+    within: _Within = 10.0
+    """degrees between `side` and the outward normals of the faces; 90: all that look that way"""
+
+    def on(self, assembly: Assembly, near: float) -> Permanent:
+        """The load on ``assembly``; ValueError that names the key."""
+        sides = self._sides(self.side, self.within)
+        return pressing(assembly, sides, lambda at: np.full(len(at), self.pascals), near=near)
+
+
+class SurchargeSection(_OnSides):
+    """A load on all faces that look upwards and touch nothing, by plan area; it acts downwards."""
+
+    pascals: Annotated[float, Number(above=0, unit="Pa")]
+    """the load per m² of plan, Pa"""
+
+    def on(self, assembly: Assembly, near: float) -> Permanent:
+        """The load on ``assembly``; ValueError that names the key."""
+        sides, down = self._sides((0.0, 0.0, 1.0), 90.0), np.array([0.0, 0.0, -1.0])
+        return pressing(assembly, sides, lambda at: np.full(len(at), self.pascals), down, near)
+
+
+class WaterSection(_OnSides):
+    """Water that stands in front of blocks: it pushes against each face below its level.
+
+    In joints there is none.
+    """
+
+    side: Way
+    """direction in which the faces look outwards"""
+    level: _Level
+    """height z of its surface, m"""
+    density: Density = WATER
+    within: _Within = 10.0
+    """degrees between `side` and the outward normals of the faces; 90: all that look that way"""
+
+    def on(self, assembly: Assembly, near: float) -> Permanent:
+        """The load on ``assembly``; ValueError that names the key."""
+        sides = _below(self._sides(self.side, self.within), self.level)
+        weight = GRAVITY * self.density
+        return pressing(assembly, sides, lambda at: weight * (self.level - at[:, 2]), near=near)
+
+
+class EarthSection(_OnSides):
+    """Earth behind blocks: a horizontal pressure that grows with depth, without wall friction.
+
+    `coefficient` times the vertical stress, that of the weight above and of `surcharge`, against
+    `side`, on the area across it.
+    """
+
+    side: Way
+    """horizontal direction in which the faces look outwards, at the earth"""
+    level: _Level
+    """height z of its surface, m"""
+    coefficient: Annotated[float, Number(above=0)]
+    """of earth pressure, such as Rankine's (1 - sin φ) / (1 + sin φ)"""
+    density: Density = SOIL
+    surcharge: _AtLeastNone = 0.0
+    """vertical load on its surface, Pa"""
+    within: _Within = 10.0
+    """degrees between `side` and the outward normals of the faces; 90: all that look that way"""
+
+    @model_validator(mode="after")
+    def _is_level(self) -> Self:
+        if abs(self.side[2]) > LEVEL * float(np.linalg.norm(self.side)):
+            raise ValueError(f"side: {list(self.side)} is not allowed; it must be horizontal")
+        return self
+
+    def on(self, assembly: Assembly, near: float) -> Permanent:
+        """The load on ``assembly``; ValueError that names the key."""
+        sides = _below(self._sides(self.side, self.within), self.level)
+
+        def pressure(at: Floats) -> Floats:
+            vertical = GRAVITY * self.density * (self.level - at[:, 2]) + self.surcharge
+            return np.asarray(self.coefficient * vertical)
+
+        return pressing(assembly, sides, pressure, -sides.unit, near)
+
+
+def _below(sides: Sides, level: float) -> Sides:
+    """The part of ``sides`` below a ``level`` (m)."""
+    low, high = sides.bounds.get(2, (-np.inf, level))
+    return Sides(
+        sides.blocks, sides.side, sides.within, {**sides.bounds, 2: (low, min(high, level))}
+    )
+
+
+class PermanentSection(Keys):
+    """A load that always acts beside weight: one of the keys is needed. Its direction is fixed."""
+
+    force: PermanentForceSection | None = None
+    """a force on one block"""
+    pressure: PressureSection | None = None
+    """a pressure on sides of blocks"""
+    surcharge: SurchargeSection | None = None
+    """a load on top of blocks"""
+    earth: EarthSection | None = None
+    """earth pressure"""
+    water: WaterSection | None = None
+    """water pressure"""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        if len(self.model_fields_set) != 1:
+            raise ValueError(f"must have one key, {', '.join(PermanentSection.model_fields)}")
+        return self
+
+    def on(self, assembly: Assembly, near: float) -> Permanent:
+        """The load on ``assembly``; ValueError that names the key."""
+        (key,) = self.model_fields_set
+        try:
+            found: Permanent = getattr(self, key).on(assembly, near)
+        except ValueError as error:
+            text = str(error)
+            raise ValueError(f"{key}{'.' if text.startswith('block: ') else ': '}{text}") from None
+        return found
+
+
+def permanent_on(
+    assembly: Assembly,
+    given: Sequence[PermanentSection],
+    near: float = NEAR,
+    key: str = "permanent",
+) -> Permanent | None:
+    """All loads of a list ``given`` at ``key``; None if it is empty. ValueError that names one."""
+    whole = None
+    for number, each in enumerate(given, start=1):
+        try:
+            found = each.on(assembly, near)
+        except ValueError as error:
+            raise ValueError(f"{key}.{number}.{error}") from None
+        whole = found if whole is None else whole + found
+    return whole
+
+
+class TiltSection(Keys):
+    """Gravity that turns about an axis, by the right-hand rule."""
+
+    axis: Way
+
+    @model_validator(mode="after")
+    def _is_not_vertical(self) -> Self:
+        Tilt(self.axis)
+        return self
+
+
+class SupportSection(Keys):
+    """A support that moves: one of displacement and rotation is needed."""
+
+    block: Text
+    """the name of a fixed block"""
+    displacement: Way | None = None
+    """the direction in which it settles or spreads; the result is in m"""
+    rotation: Way | None = None
+    """the axis about which it turns, by the right-hand rule; the result is in degrees"""
+    about: Vector | None = None
+    """a point of this axis, by default the block's centroid"""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        if len(self.model_fields_set & {"displacement", "rotation"}) != 1:
+            raise ValueError("must have either displacement or rotation")
+        if self.about and not self.rotation:
+            raise ValueError("about: must not be given beside displacement")
+        return self
+
+
+class _Pushed(Keys):
+    acceleration: Way | None = None
+    """direction of forces in proportion to the masses; the result is their sum"""
+    force: ForceSection | None = None
+    """a force on one block"""
+
+
+class _Raised(_Pushed):
+    tilt: TiltSection | None = None
+    """gravity that turns"""
+    support: SupportSection | None = None
+    """a support that moves; for `multilock assembly` only"""
+
+
+class _Amount(Keys):
+    newtons: Newtons | None = None
+    """how much is to be carried, N: whether it is, `multilock assembly` says"""
+    over_weight: OverWeight | None = None
+    """or that over the weight of what can move"""
+
+    def amount(self, assembly: Assembly) -> float | None:
+        """What is to be carried, in N; None if the file does not say."""
+        if self.over_weight is not None:
+            return self.over_weight * free_weight(assembly)
+        return self.newtons
+
+
+class LoadSection(_Amount, _Raised):
+    """Permanent loads always act. One load is raised, gravity turns, or a support moves."""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        amounts = self.model_fields_set & {"newtons", "over_weight"}
+        if len(self.model_fields_set - amounts) != 1:
+            raise ValueError("must have one key, acceleration, force, tilt or support")
+        if len(amounts) == 2:
+            raise ValueError("must have either newtons or over_weight")
+        for key in amounts if self.tilt or self.support else ():
+            raise ValueError(
+                f"{key}: must not be given beside {'tilt' if self.tilt else 'support'}"
+            )
+        return self
+
+    def on(self, assembly: Assembly, beside: Permanent | None = None) -> Loads:
+        """Weight of ``assembly``, other permanent loads, and this one.
+
+        ValueError that names the key.
+        """
+        if self.tilt:
+            if beside is not None:
+                raise ValueError("load.tilt: must not be given beside permanent; use acceleration")
+            return tilting(assembly, Tilt(self.tilt.axis))
+        if self.acceleration:
+            return acceleration(assembly, self.acceleration, beside)
+        moves, key = self.support, "support" if self.support else "force"
+        try:
+            if moves and moves.displacement:
+                return support_moves(assembly, moves.block, moves.displacement, beside)
+            if moves and moves.rotation:
+                return support_turns(assembly, moves.block, moves.rotation, moves.about, beside)
+            assert self.force
+            force = self.force
+            return force_at(assembly, force.block, force.at, force.direction, beside)
+        except ValueError as error:
+            raise ValueError(f"load.{key}.{error}") from None
+
+
+class CaseSection(_Amount, _Pushed):
+    """A load case: a direction or a force, and how much of it is to be carried."""
+
+    @model_validator(mode="after")
+    def _has_one_of_each(self) -> Self:
+        for one, other in (("acceleration", "force"), ("newtons", "over_weight")):
+            if (getattr(self, one) is None) == (getattr(self, other) is None):
+                raise ValueError(f"must have either {one} or {other}")
+        return self
+
+
+class LoadCaseSection(CaseSection):
+    """A load case with permanent loads of its own, beside those of all cases."""
+
+    permanent: tuple[PermanentSection, ...] = ()
+    """as under `permanent` of the file"""
+
+    def load(self) -> LoadSection:
+        """The load that is raised."""
+        given = {key: getattr(self, key) for key in self.model_fields_set - {"permanent"}}
+        return LoadSection(**given)

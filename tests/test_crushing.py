@@ -1,0 +1,163 @@
+"""Interfaces whose blocks have a compressive strength, against closed forms."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+import yaml
+from command_runner import run
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+from structures import example
+
+from sidmacib.answers.structure import static_answer
+from sidmacib.design.file import task_of
+from sidmacib.engines import ENGINES
+from sidmacib.engines.run import refusal
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.mechanics.crushing import _stress_blocks
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.structure.analysis.capacity_curve import capacity_curve
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.tilt import Tilt
+from sidmacib.structure.files.structure_file import structure_of
+
+STRENGTH = 5e5  # Pa
+WIDTH, DEPTH, HEIGHT = 1.0, 0.6, 2.0
+WEIGHT = 2000.0 * GRAVITY * WIDTH * DEPTH * HEIGHT
+CLOSE = 0.985  # of the exact limit, which is never exceeded
+
+
+def pier(load: dict[str, Any], strength: float = STRENGTH, **law: float) -> dict[str, Any]:
+    return {
+        "blocks": {
+            "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
+            "pier": {"low": [0, 0, 0], "high": [WIDTH, DEPTH, HEIGHT], "density": 2000},
+        },
+        "interfaces": {"friction": 0.7, "compressive_strength": strength, **law},
+        "load": load,
+    }
+
+
+def pressed(x: float, y: float) -> dict[str, Any]:
+    """A force downwards at this eccentricity."""
+    at = [WIDTH / 2 + x, DEPTH / 2 + y, HEIGHT]
+    return {"force": {"block": "pier", "at": at, "direction": [0, 0, -1]}}
+
+
+@pytest.mark.parametrize("share", [0.0, 0.07, 0.2, 0.25, 0.37, 0.45])
+def test_a_block_under_an_eccentric_load_carries_a_rectangular_stress_block(share: float) -> None:
+    """N = f_c b (h - 2 e), of the load and the weight, which is in the middle."""
+    for load in (pressed(share * WIDTH, 0.0), pressed(0.0, share * DEPTH)):
+        found = limit_load(*structure_of(pier(load)), friction=True).load
+        normal = found + WEIGHT
+        exact = STRENGTH * WIDTH * DEPTH * (1.0 - 2.0 * share * found / normal)
+        assert CLOSE * exact <= normal <= exact * (1.0 + 1e-6)
+
+
+def test_a_pier_overturns_about_the_middle_of_what_is_pressed() -> None:
+    """H h / 2 = W (b - c) / 2, with c = W / (f_c d)."""
+    problem = structure_of(pier({"acceleration": [1, 0, 0]}))
+    depth = WEIGHT / (STRENGTH * DEPTH)
+    exact = WEIGHT * (WIDTH - depth) / HEIGHT
+    load = limit_load(*problem, friction=True).load
+    assert CLOSE * exact <= load <= exact
+    assert static_answer(problem).load == pytest.approx(WEIGHT * WIDTH / HEIGHT, rel=1e-3)
+
+
+def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
+    def left(angle: float) -> float:
+        e = HEIGHT / 2 * math.tan(angle)
+        return STRENGTH * DEPTH * (WIDTH - 2 * e) - WEIGHT * math.cos(angle)
+
+    exact = math.degrees(brentq(left, 0.0, math.atan(WIDTH / HEIGHT)))
+    model = structure_of(pier({"acceleration": [1, 0, 0]})).assembly
+    assert limit_tilt(model, Tilt((0, 1, 0))).angle == pytest.approx(exact, rel=5e-3)
+
+
+def test_bonds_that_pull_press_the_other_side_more() -> None:
+    """All of a ductile bond pulls but the nodes at the edge where the stress block is."""
+    law = {"cohesion": 1e6, "tensile_strength": 1e5}
+    description = pier({"acceleration": [1, 0, 0]}, **law)
+    loads = [limit_load(*structure_of(description), friction=True).load]
+    for changes in ({"compressive_strength": 10 * STRENGTH}, {"tensile_strength": 1e4}):
+        description["interfaces"] |= changes
+        loads.append(limit_load(*structure_of(description), friction=True).load)
+    assert loads[1] > loads[0] > loads[2]
+    tension = 1e5 * WIDTH * DEPTH  # by Simpson's rule: 1/6 at one edge, 4/6 in the middle
+    pressed = WEIGHT + 5 / 6 * tension
+    moment = tension / 6 * WIDTH / 2 + pressed * (WIDTH - pressed / (STRENGTH * DEPTH)) / 2
+    assert CLOSE <= loads[0] * HEIGHT / 2 / moment <= 1.0
+
+
+OUTLINES = {
+    "rectangle": shapely.box(-0.5, -0.2, 0.5, 0.2),
+    "triangle": shapely.Polygon([(-0.3, -0.2), (0.6, -0.2), (-0.3, 0.4)]),
+    "hexagon": shapely.Polygon([(math.cos(k), math.sin(k)) for k in np.arange(6) * math.pi / 3]),
+}
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+@settings(max_examples=30, deadline=None)
+@given(angle=st.floats(0, 2 * math.pi), share=st.floats(0.02, 1.0))
+def test_no_stress_block_of_any_direction_is_taken_to_carry_more(
+    name: str, angle: float, share: float
+) -> None:
+    outline = OUTLINES[name]
+    blocks = _stress_blocks(outline)
+    way = np.array([math.cos(angle), math.sin(angle)])
+    reach = shapely.get_coordinates(outline) @ way
+    least = reach.max() - share * np.ptp(reach)
+    across = 9.0 * np.array([-way[1], way[0]])
+    corners = [least * way - across, 9.0 * way - across, 9.0 * way + across, least * way + across]
+    part = outline.intersection(shapely.Polygon(corners))
+    place = np.array([part.centroid.x, part.centroid.y]) / blocks.size
+    (use,) = blocks.use(part.area / outline.area * np.array([[1.0, *place]]))
+    assert use >= 1.0 - 1e-9  # it is at the exact limit
+    if share > 0.2:
+        assert use <= 1.3  # which the polyhedron is not far inside of, however askew
+
+
+def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> None:
+    path = tmp_path / "pier.yaml"
+    path.write_text(yaml.safe_dump(pier({"acceleration": [1, 0, 0], "newtons": "5kN"})))
+    found = run("assembly", str(path))
+    assert "; crushed: ground-pier; largest displacement: pier" in found.output
+    assert "counts: no bond fails before the peak; no crushing; failure mode" in found.output
+    line = found.output.splitlines()[0]
+    assert line == (
+        "Yes: it carries 5000 N with a factor of 2.17 to the limit with crushing, 2.35; only limit "
+        "analysis considers crushing"
+    )
+    heavy = pier({"acceleration": [1, 0, 0], "newtons": "5kN"}, strength=0.9 * 2000 * GRAVITY * 2)
+    path.write_text(yaml.safe_dump(heavy))
+    found = run("assembly", str(path))
+    assert found.exit_code == 1
+    assert found.output.startswith("No: the structure does not stand under its own weight")
+    keyed = example("keyed") | {"interfaces": {"friction": 0.5, "compressive_strength": "5MPa"}}
+    path.write_text(yaml.safe_dump(keyed))
+    assert (
+        "Note: compressive_strength: does not limit interfaces with"
+        in run("assembly", str(path)).output
+    )
+
+
+def test_what_knows_no_crushing_refuses_it() -> None:
+    description = pier({"acceleration": [1, 0, 0]})
+    problem = structure_of(description)
+    with pytest.raises(CapacityError, match="leave out compressive_strength"):
+        capacity_curve(*problem)
+    for name in ("yade", "liggghts"):
+        said = refusal(ENGINES[name], problem.assembly)
+        assert said == "ground-pier has a compressive_strength; no engine models crushing"
+    task = {
+        "locks": {"width": 0.05, "height": 0.02},
+        "cases": {"push": {"acceleration": [1, 0, 0], "newtons": 1}},
+    }
+    with pytest.raises(ValueError, match="compressive_strength: is for multilock assembly"):
+        task_of({**description, "design": task})

@@ -1,0 +1,144 @@
+"""Whether a structure carries what its file demands, at the command line and in Python."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from command_runner import run
+from conftest import ROOT
+from structures import condensed_keys, example
+
+from sidmacib.mechanics.assembly import GRAVITY
+
+WEIGHT = 2000.0 * GRAVITY
+BLOCKS = {
+    "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
+    "cube": {"low": [0, 0, 0], "high": [1, 1, 1], "density": 2000},
+}
+SLIDING: dict[str, Any] = {"blocks": BLOCKS, "interfaces": {"friction": 0.5}}
+PUSH = {"acceleration": [1, 0, 0]}
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "structure.yaml"
+
+
+def said(path: Path, given: dict[str, Any], *more: str) -> tuple[int, str]:
+    """The exit status and the first line of output."""
+    path.write_text(yaml.safe_dump(given, sort_keys=False))
+    found = run("assembly", str(path), *more)
+    return found.exit_code, found.output.splitlines()[0]
+
+
+def test_a_load_is_carried_with_the_factor_of_the_load_that_counts(path: Path) -> None:
+    given = {**SLIDING, "load": {**PUSH, "newtons": "5kN"}}
+    assert said(path, given) == (0, f"Yes: it carries 5000 N with a factor of {WEIGHT / 1e4:.3g}")
+    given["load"]["newtons"] = WEIGHT
+    assert said(path, given) == (1, "No: it does not carry 19620 N with a factor of 0.5")
+    rows = json.loads(run("assembly", str(path), "--format", "json").stdout)
+    assert [row["factor"] for row in rows] == pytest.approx([0.5] * 3, rel=1e-3)
+
+
+def test_an_amount_may_be_over_the_weight(path: Path) -> None:
+    given = {**SLIDING, "load": {**PUSH, "over_weight": 0.4}}
+    assert said(path, given)[1] == "Yes: it carries 7848 N with a factor of 1.25"
+
+
+def test_bonds_have_a_factor_to_the_first_failure_and_one_to_the_peak(path: Path) -> None:
+    """Of the trilith: 1600 N and 7848 N, on which three meshes agree."""
+    given = example("trilith")
+    given["load"]["newtons"] = 4000
+    code, line = said(path, given)
+    assert code == 0
+    assert line.startswith(
+        "Yes: it carries 4000 N with a factor of 0.4 to the first failure, 1.96 to the peak; the"
+    )
+
+
+def test_limit_analysis_decides_where_the_static_model_has_no_answer(path: Path) -> None:
+    given = condensed_keys()
+    given["load"]["newtons"] = 100
+    code, line = said(path, given)
+    assert code == 0
+    assert "to the limit; limit analysis, which may overestimate; the static model has no" in line
+
+
+def test_each_load_case_has_a_line_and_the_lowest_factor_governs(path: Path) -> None:
+    heavy = {"surcharge": {"pascals": WEIGHT}}
+    down = {"force": {"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1]}}
+    cases = {
+        "wind": {**PUSH, "newtons": 5000},
+        "wind, full": {**PUSH, "newtons": 5000, "permanent": [heavy]},
+        "crowd": {**down, "newtons": 5000},
+    }
+    path.write_text(yaml.safe_dump({**SLIDING, "load_cases": cases}, sort_keys=False))
+    found = run("assembly", str(path), "--format", "json")
+    assert found.exit_code == 0
+    assert found.stderr.startswith("Yes: all 3 cases; wind governs: it carries 5000 N with a fac")
+    rows = json.loads(found.stdout)
+    assert [row["case"] for row in rows] == list(cases)
+    assert [row["governs"] for row in rows] == ["yes", "", ""]
+    assert [row["factor"] for row in rows[:2]] == pytest.approx([1.962, 3.924], rel=1e-3)
+    assert rows[2]["factor"] is None and rows[2]["carried"] == "yes"
+    cases["wind"]["newtons"] = 20_000
+    code, line = said(path, {**SLIDING, "load_cases": cases})
+    assert (code, line[:39]) == (1, "No: wind is not carried; wind governs: ")
+    one = said(path, {**SLIDING, "load_cases": cases}, "--case", "wind, full")
+    assert one == (0, "Yes: it carries 5000 N with a factor of 3.92")
+
+
+def test_the_retaining_wall_slides_where_friction_and_earth_say() -> None:
+    """The example of the documentation: at its base, pushed by earth and an earthquake."""
+    weight = 2300 * GRAVITY * 0.5 * (1.0 + 0.9 + 0.8 + 0.7)
+    earth = 0.33 * 1800 * GRAVITY * 2.0**2 / 2
+    file = ROOT / "studies/structures/retaining.yaml"
+    rows = json.loads(run("assembly", str(file), "--format", "json").stdout)
+    assert [row["governs"] for row in rows] == ["", "", "yes"]
+    assert rows[2]["to limit"] == pytest.approx((0.65 * weight - earth) / (0.1 * weight), rel=1e-6)
+
+
+def test_a_case_that_does_not_stand_governs(path: Path) -> None:
+    falls = {"pressure": {"side": [-1, 0, 0], "pascals": 2 * WEIGHT}}
+    cases = {
+        "push": {**PUSH, "newtons": 20_000},
+        "flood": {**PUSH, "newtons": 1, "permanent": [falls]},
+    }
+    code, line = said(path, {**SLIDING, "load_cases": cases})
+    assert code == 1
+    assert line == (
+        "No: push, flood are not carried; flood governs: the structure does not stand under its "
+        "own weight and the other permanent loads"
+    )
+
+
+@pytest.mark.parametrize(
+    ("keys", "options", "message"),
+    [
+        ({"load": {**PUSH, "newtons": "5m"}}, (), "load.newtons: 5m is a length"),
+        ({"load": {**PUSH, "newtons": 1, "over_weight": 1}}, (), "load: must have either newtons"),
+        ({"load": {"tilt": {"axis": [1, 0, 0]}, "newtons": 1}}, (), "newtons: must not be given"),
+        ({"load_cases": {"a": PUSH}}, (), "load_cases.a: must have either newtons or over_weight"),
+        (
+            {"load_cases": {"a": {**PUSH, "newtons": 1}}, "load": PUSH},
+            (),
+            "load_cases: must not be given beside load",
+        ),
+        (
+            {"load_cases": {"a": {**PUSH, "newtons": 1}}},
+            ("--case", "b"),
+            "--case: 'b' is not allowed; it must be a",
+        ),
+        ({"load_cases": {"a": {**PUSH, "newtons": 1}}}, ("--interfaces",), "needs --case"),
+        ({"load": PUSH}, ("--case", "a"), "the file has no load_cases"),
+    ],
+)
+def test_a_fault_is_named(
+    path: Path, keys: dict[str, Any], options: tuple[str, ...], message: str
+) -> None:
+    path.write_text(yaml.safe_dump({**SLIDING, **keys}, sort_keys=False))
+    found = run("assembly", str(path), *options)
+    assert found.exit_code != 0
+    assert message in found.output
