@@ -14,12 +14,13 @@ import meshio
 import numpy as np
 
 from sidmacib.engines.results import force_to_stress
-from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import posed
 from sidmacib.joint.pieces import upper_block
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Kind, Piece
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.structure.analysis.rows import InterfaceRow
 from sidmacib.structure.blocks import solids_of
 from workflow.case import JointCase, StructureCase
@@ -43,7 +44,8 @@ def write_path(case: JointCase, folder: Path) -> list[Path]:
     `sidmacib.errors.CapacityError` if the joint carries nothing.
     """
     subject = case.subject
-    assembly, solution = load_path(subject.joint, subject.loading, subject.mesh, subject.nodes)
+    problem = posed(subject.joint, subject.loading, subject.mesh, subject.nodes)
+    assembly, solution = problem.assembly, lowest_peak(*problem)
     above = set(upper_block(subject.joint))
     upper = [np.array([float(piece.name in above)]) for piece in assembly.pieces]
     folder.mkdir(parents=True, exist_ok=True)

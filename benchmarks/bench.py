@@ -33,8 +33,7 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
-from sidmacib.rule.first_failure import first_failure
-from sidmacib.rule.law import RULES
+from sidmacib.rule.law import RULES, first_failure
 from workflow.closure import ROOT
 from workflow.results.record import read_times
 from workflow.sampling import Sampling, sampled_joints

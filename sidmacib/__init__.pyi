@@ -15,8 +15,8 @@ from .errors import UnboundedError as UnboundedError
 from .joint.effects import Effect as Effect
 from .joint.effects import Sensitivity as Sensitivity
 from .joint.effects import sensitivity as sensitivity
-from .joint.hold_down import HoldDown as HoldDown
 from .joint.joint import Direction as Direction
+from .joint.joint import HoldDown as HoldDown
 from .joint.joint import Joint as Joint
 from .joint.joint import OwnLock as OwnLock
 from .joint.joint import Side as Side
@@ -35,9 +35,9 @@ from .mechanics.limit_sensitivity import limit_derivatives as limit_derivatives
 from .mechanics.static.lowest_peak import lowest_peak as lowest_peak
 from .mechanics.static.model import static_first_failure as static_first_failure
 from .mechanics.static.model import static_peak as static_peak
-from .rule.demand import Candidate as Candidate
-from .rule.demand import Demand as Demand
-from .rule.demand import Prices as Prices
+from .rule.inverse import Candidate as Candidate
+from .rule.inverse import Demand as Demand
+from .rule.inverse import Prices as Prices
 from .rule.inverse import Search as Search
 from .rule.inverse import all_candidates as all_candidates
 from .rule.inverse import cheapest as cheapest
@@ -47,10 +47,10 @@ from .rule.law import law as law
 from .rule.law import safe as safe
 from .rule.pairs import Pairs as Pairs
 from .rule.pairs import pairs_of as pairs_of
-from .rule.resistance import Characteristic as Characteristic
-from .rule.resistance import Reliability as Reliability
-from .rule.resistance import characteristic as characteristic
-from .rule.resistance import design_resistance as design_resistance
+from .rule.reliability import Characteristic as Characteristic
+from .rule.reliability import Reliability as Reliability
+from .rule.reliability import characteristic as characteristic
+from .rule.reliability import design_resistance as design_resistance
 from .structure.analysis.capacity_curve import CapacityCurve as CapacityCurve
 from .structure.analysis.capacity_curve import capacity_curve as capacity_curve
 from .structure.analysis.supports import greatest_reaction as greatest_reaction

@@ -9,8 +9,7 @@ from enum import StrEnum, auto
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sidmacib.outcome import Outcome
-    from sidmacib.problem import Problem
+    from sidmacib.problem import Outcome, Problem
 
 
 class Ability(StrEnum):

@@ -22,9 +22,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from sidmacib.fields import kinds_of
 from sidmacib.quantities import FORMULA, Number, shown
-from sidmacib.validation import LARGE, SMALL
+from sidmacib.validation import LARGE, SMALL, kinds_of
 
 Some = Field(min_length=1)
 

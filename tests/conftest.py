@@ -25,10 +25,9 @@ from hypothesis import settings
 from structures import WITH_STRUCTURES
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.execute import EngineError
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
+from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.engines.search import engine_outcome
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_faces, shared_face

@@ -15,14 +15,10 @@ from described import FILES, study
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
-from sidmacib.answers.structure import (
-    SETTLED,
-    static_answer,
-    without_other_meshes,
-)
+from sidmacib.answers.structure import SETTLED, static_answer, without_other_meshes
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
 from sidmacib.models import structure_limit, structure_static
-from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Failures
+from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
 from workflow.results.record import Record, record_without_result

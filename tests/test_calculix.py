@@ -14,12 +14,10 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.calculix.deck import CalculixDeck
 from sidmacib.engines.calculix.process import read_state
 from sidmacib.engines.calculix.run import load_at, raised
-from sidmacib.engines.execute import EngineError
 from sidmacib.engines.render import _material_names, assembly_data, engine_material
-from sidmacib.engines.run import refusal
+from sidmacib.engines.run import EngineError, refusal
 from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, Direction, Joint, UpperBody
+from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly as Discretised

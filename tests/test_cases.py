@@ -14,9 +14,8 @@ from conftest import ROOT, with_subject
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.engines.numerics import Numerics
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, Direction, Joint, OwnLock, Side, UpperBody
+from sidmacib.engines.engine import Numerics
+from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.models import SOLVED

@@ -8,18 +8,14 @@ import yaml
 from conftest import ROOT, a_case
 
 from sidmacib.engines.engine import FOREIGN, engine_environment
-from sidmacib.engines.execute import EngineKilledError
+from sidmacib.engines.run import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from workflow.case import JointCase
 from workflow.command import profile_named
 from workflow.configuration import ConfigError
-from workflow.jobs import (
-    engine_resources,
-    nodes_of,
-    solved_resources,
-)
+from workflow.jobs import engine_resources, nodes_of, solved_resources
 from workflow.results.record import RECORD
 from workflow.step import KilledError
 from workflow.steps import engine as engine_step

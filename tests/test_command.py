@@ -16,12 +16,11 @@ from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
 from sidmacib.joint.effects import sensitivity
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint, UpperBody
-from sidmacib.joint.load_path import load_path
-from sidmacib.joint.loading import Loading, Push
+from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Elastic
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.rule.law import law, safe
 from sidmacib.rule.pairs import pairs_of
 
@@ -53,7 +52,8 @@ def test_the_mesh_error_is_that_of_the_load_it_stands_beside() -> None:
     flags = ["-n", "5", "-a", "0.08", "-H", "0.06", "-e", "0.5", "-m", "static"]
     (row,) = answers("capacity", *flags)
     joint = Joint(5, a=0.08, H=0.06)
-    finer = load_path(joint, Loading(Direction(0.5)), 0.00625)[1].peak.load * Direction(0.5).shear
+    problem = posed(joint, Loading(Direction(0.5)), 0.00625)
+    finer = lowest_peak(*problem).peak.load * Direction(0.5).shear
     error = abs(float(str(row["V (N)"])) / finer - 1.0)
     assert error < float(str(row["mesh error / load"])) < 0.05
 
@@ -144,7 +144,8 @@ def test_the_static_model_reports_the_lowest_of_its_peaks_and_the_first_failure(
 def test_weights_are_those_of_each_lock() -> None:
     rows = answers("weights", "-n", "5", "-e", "0.3")
     joint = Joint(5)
-    assembly, found = load_path(joint, Loading(Direction(0.3)), 0.24975 * joint.b)
+    problem = posed(joint, Loading(Direction(0.3)), 0.24975 * joint.b)
+    assembly, found = problem.assembly, lowest_peak(*problem)
     for row, lock in zip(rows, lock_weights(joint, assembly, found.peak.force), strict=True):
         assert (row["lock"], row["block"]) == (lock.lock, lock.block)
         assert row["weight"] == pytest.approx(lock.weight)

@@ -9,8 +9,7 @@ from command_runner import answers, run
 from sidmacib.command.inverse import chart, prices_of, sought, values_of
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Push
-from sidmacib.rule.demand import Demand, Prices
-from sidmacib.rule.inverse import cheapest, fewest_locks
+from sidmacib.rule.inverse import Demand, Prices, cheapest, fewest_locks
 
 SIZES = ("-a", "0.08", "-H", "0.06")
 JOINT = Joint(5, a=0.08, H=0.06)

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 import sidmacib
 from sidmacib.command.main import main
-from sidmacib.rule.resistance import Reliability
+from sidmacib.rule.reliability import Reliability
 
 GIVEN = ["-n", "9", "-a", "0.08", "-H", "0.06", "-e", "0.3"]
 JOINT, DIRECTION = sidmacib.Joint(9, a=0.08, H=0.06), sidmacib.Direction(0.3)

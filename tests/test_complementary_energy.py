@@ -12,7 +12,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.contact_law import NodeState
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.static.model import static_peak
 
 

@@ -14,7 +14,7 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models.static import solve
-from sidmacib.outcome import Outcome
+from sidmacib.problem import Outcome
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study

@@ -13,10 +13,9 @@ from stack import overturning, tilted_stack
 
 from sidmacib.command.main import main
 from sidmacib.engines import ENGINES
-from sidmacib.engines.execute import OUTPUTS, EngineError
-from sidmacib.engines.numerics import Numerics
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
+from sidmacib.engines.engine import Numerics
+from sidmacib.engines.run import OUTPUTS, EngineError
+from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout

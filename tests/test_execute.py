@@ -16,9 +16,8 @@ from conftest import block_on_ground
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine
-from sidmacib.engines.execute import OUTPUTS, EngineError, EngineNoAnswerError, execute
 from sidmacib.engines.render import DATA_FILE, MODULES
-from sidmacib.engines.run import refusal
+from sidmacib.engines.run import OUTPUTS, EngineError, EngineNoAnswerError, execute, refusal
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Failure, Kind
 
@@ -101,7 +100,7 @@ RUNNER = """
 import sys
 from pathlib import Path
 from test_execute import python_engine
-from sidmacib.engines.execute import execute
+from sidmacib.engines.run import execute
 execute(python_engine(), Path(sys.argv[1]), 300)
 """
 

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
@@ -20,9 +19,9 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.rigid import friction_rounds
-from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.newton import friction_rounds
+from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
 

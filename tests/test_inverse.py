@@ -9,8 +9,19 @@ import pytest
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind
-from sidmacib.rule.demand import Demand, Prices, bonded_area, candidate, joint_area, volume_cut
-from sidmacib.rule.inverse import all_candidates, cheapest, cheapest_of, fewest_locks, variants
+from sidmacib.rule.inverse import (
+    Demand,
+    Prices,
+    all_candidates,
+    bonded_area,
+    candidate,
+    cheapest,
+    cheapest_of,
+    fewest_locks,
+    joint_area,
+    variants,
+    volume_cut,
+)
 from sidmacib.rule.law import safe
 
 SMOOTH = replace(DRY, friction=0.0)

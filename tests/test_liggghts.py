@@ -10,9 +10,9 @@ from conftest import a_case
 from test_execute import becomes_true
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.execute import EngineError, execute
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import write_script
+from sidmacib.engines.run import EngineError, execute
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
@@ -94,7 +94,7 @@ def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(tmp_path: Path)
     before = shared_memory()
     call = (
         "from pathlib import Path; from sidmacib.engines import ENGINES;"
-        "from sidmacib.engines.execute import execute;"
+        "from sidmacib.engines.run import execute;"
         f"execute(ENGINES['liggghts'], Path({str(tmp_path)!r}), 300)"
     )
     runner = subprocess.Popen([sys.executable, "-c", call], cwd=Path(__file__).parents[1])

@@ -10,8 +10,7 @@ import pytest
 from analysis.summary.summary import spread_lines
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.joint.joint import INNER, Direction, Elastic, Joint, UpperBody
-from sidmacib.joint.load_path import load_path
-from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
@@ -101,7 +100,7 @@ def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
         dry=FaceMaterial(1.539137e9, 1.539137e9, 0.256094, 0.0, 0.0),
         upper_body=UpperBody.MONOLITHIC,
     )
-    found = load_path(joint, Loading(Direction(0.3)), 0.04995)[1]
+    found = lowest_peak(*posed(joint, Loading(Direction(0.3)), 0.04995))
     assert found.peak.load == pytest.approx(512.6, rel=0.02)
     assert found.spread < 0.02
 
@@ -114,7 +113,7 @@ def test_no_lower_peak_is_sought_below_the_first_failure_or_of_bonds_that_yield(
     joint: Joint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "another_peak", None)
-    assert load_path(joint, Loading(Direction(0.0)), 0.02)[1].spread == 0.0
+    assert lowest_peak(*posed(joint, Loading(Direction(0.0)), 0.02)).spread == 0.0
 
 
 def sought(
@@ -134,7 +133,7 @@ def sought(
         return replace(first, path=(*below, peak))
 
     monkeypatch.setattr(module, "another_peak", found)
-    lowest = load_path(joint or Joint(5), Loading(Direction(0.5)), 0.04)[1]
+    lowest = lowest_peak(*posed(joint or Joint(5), Loading(Direction(0.5)), 0.04))
     return lowest, starts
 
 

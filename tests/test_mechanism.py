@@ -45,7 +45,7 @@ def test_a_block_carries_the_same_without_dilation(friction: float, expected: fl
     model = block(friction)
     found = sliding_limit(model, acceleration(model, (1, 0, 0)))
     assert found.state.load == pytest.approx(expected * model.pieces[1].weight, rel=1e-4)
-    assert found.overestimate == pytest.approx(0.0, abs=1e-4)
+    assert found.associated.load == pytest.approx(found.state.load, rel=1e-4)
 
 
 def test_a_stepped_stack_carries_no_more_without_dilation_and_obeys_coulomb() -> None:

@@ -10,9 +10,8 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.elastic import memory
-from sidmacib.mechanics.elastic.memory import memory_needed
-from sidmacib.mechanics.elastic.solver import ElasticSolver
+from sidmacib.mechanics.elastic import solver
+from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed
 from sidmacib.mechanics.static.model import static_peak
 
 
@@ -49,10 +48,10 @@ def test_the_memory_of_a_machine_is_that_of_its_container_if_that_is_less(
     monkeypatch: pytest.MonkeyPatch, tmp_path
 ) -> None:
     limit = tmp_path / "memory.max"
-    monkeypatch.setattr(memory, "CGROUP", limit)
-    whole = memory.memory()
+    monkeypatch.setattr(solver, "CGROUP", limit)
+    whole = solver.memory()
     assert 1e8 < whole < math.inf
     limit.write_text("max\n")
-    assert memory.memory() == whole
+    assert solver.memory() == whole
     limit.write_text("1000000\n")
-    assert memory.memory() == 1e6
+    assert solver.memory() == 1e6

@@ -6,7 +6,7 @@ import pytest
 from conftest import ROOT
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble

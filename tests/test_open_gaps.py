@@ -5,7 +5,7 @@ import pytest
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
-from sidmacib.mechanics.elastic.open_gaps import OpenGaps
+from sidmacib.mechanics.elastic.jumps import OpenGaps
 
 SIZE = 24
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, HoldDown, Joint
 from sidmacib.joint.parameters import PARAMETERS, SIZES, with_parameters
 from sidmacib.quantities import Length
 from sidmacib.rule.law import law, spans_of

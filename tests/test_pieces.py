@@ -4,16 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Joint, Side, UpperBody
+from sidmacib.joint.joint import HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
-from sidmacib.mechanics.assembly import (
-    Cuboid,
-    FaceMaterial,
-    Kind,
-    NodeLayout,
-    Rectangle,
-)
+from sidmacib.mechanics.assembly import Cuboid, FaceMaterial, Kind, NodeLayout, Rectangle
 
 joints = st.builds(
     Joint,

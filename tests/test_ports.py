@@ -9,7 +9,7 @@ import pytest
 from campaigns.faults import descendants
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.scripts.children import PRIVATE_NETWORK
 from sidmacib.joint.joint import Direction, Joint

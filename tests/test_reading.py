@@ -12,12 +12,7 @@ import yaml
 from conftest import ROOT
 
 from workflow.cases import cases_of
-from workflow.configuration import (
-    ConfigError,
-    load_configuration,
-    read_study,
-    read_study_file,
-)
+from workflow.configuration import ConfigError, load_configuration, read_study, read_study_file
 from workflow.schema import Study
 
 STUDY = "samples: {n3: {locks: 3}}\n"

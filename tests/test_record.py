@@ -27,7 +27,7 @@ from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
-from sidmacib.outcome import Outcome, State
+from sidmacib.problem import Outcome, State
 from workflow.case import Case, JointCase, JointSubject
 from workflow.results.record import Record, record_of, record_without_result
 from workflow.steps.solve import solved

@@ -13,17 +13,10 @@ from stack import tilted_stack
 from structures import dry
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Engine
-from sidmacib.engines.numerics import Numerics
-from sidmacib.engines.render import (
-    DATA_FILE,
-    MODULES,
-    script,
-    write_script,
-)
-from sidmacib.engines.run import run_engine
+from sidmacib.engines.engine import Engine, Numerics
+from sidmacib.engines.render import DATA_FILE, MODULES, script, write_script
+from sidmacib.engines.run import guide_for, guide_of, run_engine
 from sidmacib.engines.scripts.assembly import read_assembly
-from sidmacib.engines.search import guide_for, guide_of
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble

@@ -8,15 +8,19 @@ from scipy.stats import binom
 from test_scatter import strengths
 
 import sidmacib
-from sidmacib.joint.hold_down import Hold, HoldDown
-from sidmacib.joint.joint import Direction, Joint, OwnLock
+from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static.model import first_failure_of, solver_of
-from sidmacib.rule.first_failure import COARSE, first_failure, weakened
-from sidmacib.rule.resistance import Reliability, at_most_resists, characteristic, design_resistance
-from sidmacib.rule.scatter import scatter
+from sidmacib.rule.law import COARSE, first_failure, weakened
+from sidmacib.rule.reliability import (
+    Reliability,
+    at_most_resists,
+    characteristic,
+    design_resistance,
+    scatter,
+)
 
 ECCENTRIC = Direction(0.3)
 JOINT = Joint(5, a=0.08, H=0.06)

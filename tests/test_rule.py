@@ -7,12 +7,11 @@ from typing import Any
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, UpperBody
-from sidmacib.joint.load_path import load_path
+from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.rule.law import RULES, SAFETY, law, safe
 
@@ -142,8 +141,8 @@ def first_failure(joint: Joint, direction: Direction) -> float:
 
 def peak(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y, cells: int = 4) -> float:
     """The static model's peak (N) on nodes that the rule does not see."""
-    _, found = load_path(joint, Loading(direction, push=push), joint.least_side / cells)
-    return found.peak.load
+    problem = posed(joint, Loading(direction, push=push), joint.least_side / cells)
+    return lowest_peak(*problem).peak.load
 
 
 def stone(kn: float, ks: float, cohesion: float, tension: float) -> FaceMaterial:
@@ -245,7 +244,7 @@ def test_rough_columns_with_stiff_dry_faces_are_safe_on_meshes_that_differ() -> 
         hold_down=HoldDown.weight(),
     )
     loading = Loading(Direction(12.8128))
-    _, found = load_path(joint, loading, joint.least_side / 6)
+    found = lowest_peak(*posed(joint, loading, joint.least_side / 6))
     assert safe(joint, loading.direction).load < 0.95 * found.first_failure_load
 
 

@@ -11,9 +11,8 @@ import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
 
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points.options import OPTIONS, active
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.contact_points.reductions import active
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import lognorm
 
 from sidmacib.joint.joint import Direction, Joint
-from sidmacib.rule.scatter import Scatter, scatter
+from sidmacib.rule.reliability import Scatter, scatter
 
 PURE_SHEAR = Direction(0.0)
 

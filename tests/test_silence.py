@@ -5,7 +5,7 @@ import sys
 
 PRINTS = """
 import ctypes
-from sidmacib.design.silence import silent
+from sidmacib.mechanics.optimisation import silent
 c = ctypes.CDLL(None)
 print("before")
 with silent():

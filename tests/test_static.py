@@ -14,18 +14,10 @@ from hypothesis import strategies as st
 from stack import tilted_stack
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import INNER, Direction, Joint
+from sidmacib.joint.joint import INNER, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Failure,
-    Kind,
-    NodeLayout,
-)
+from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows

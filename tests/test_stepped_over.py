@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
+from sidmacib.joint.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.rule.law import law, safe
-from sidmacib.rule.scatter import scatter
+from sidmacib.rule.reliability import scatter
 from studies.attack.search import DIMENSIONS, SPACES, Space, target_at
 
 BY_WEIGHT = Joint(

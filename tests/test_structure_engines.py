@@ -15,15 +15,14 @@ from test_capacity_curve import wall
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.curve import engine_curve
-from sidmacib.engines.execute import EngineNoAnswerError
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
+from sidmacib.engines.run import EngineNoAnswerError
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.outcome import Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem
 from sidmacib.structure.analysis.capacity_curve import capacity_curve
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.joint.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout

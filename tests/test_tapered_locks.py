@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sidmacib.joint.joint import Direction, Joint, UpperBody
-from sidmacib.joint.load_path import load_path
-from sidmacib.joint.loading import Loading, LoadShare
+from sidmacib.joint.loading import Loading, LoadShare, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout, self_weight
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure
@@ -59,7 +59,7 @@ def on_body(joint: Joint, assembly: Assembly, direction: Direction) -> Loads:
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, np.inf])
 def test_locks_without_taper_carry_what_the_joint_carries(eccentricity: float) -> None:
     direction = Direction(eccentricity)
-    _, cuboids = load_path(JOINT, Loading(direction, LoadShare.BODY), MESH)
+    cuboids = lowest_peak(*posed(JOINT, Loading(direction, LoadShare.BODY), MESH))
     assembly = tapered(JOINT, 0.0)
     found = static_peak(assembly, on_body(JOINT, assembly, direction))
     assert found.first_failure_load == pytest.approx(cuboids.first_failure_load, rel=1e-8)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.joint.joint import Joint
-from sidmacib.joint.unit_warnings import unit_warnings
+from sidmacib.joint.parameters import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
 from workflow.configuration import read_study
 from workflow.consistency import notes

@@ -11,7 +11,7 @@ import pytest
 from conftest import a_case, block_on_ground, run_case
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.execute import OUTPUTS
+from sidmacib.engines.run import OUTPUTS
 from sidmacib.joint.joint import INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble

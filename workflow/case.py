@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
-from sidmacib.engines.numerics import Numerics
-from sidmacib.fields import dataclass_from, plain
+from sidmacib.engines.engine import Numerics
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.problem import Problem
+from sidmacib.validation import dataclass_from, plain
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
 STRUCTURE_FILE = "sidmacib.structure.files.structure_file"

@@ -7,8 +7,7 @@ from functools import cache
 from itertools import product
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Engine
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Engine, Numerics
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout

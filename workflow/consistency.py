@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare
-from sidmacib.joint.unit_warnings import unit_warnings
+from sidmacib.joint.parameters import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_nodes import CELL_RULES
 from sidmacib.model import Ability, Requirement

@@ -13,13 +13,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from sidmacib.fields import dataclass_from
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint.joint import HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import with_parameters
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.quantities import Count, Number, Part, Span
+from sidmacib.validation import dataclass_from
 
 Limits = tuple[float, float]
 Ratios = Annotated[Limits, Span(Number(above=0))]

@@ -24,10 +24,10 @@ from sphinx.util.typing import ExtensionMetadata
 from sphinx.writers.html5 import HTML5Translator
 
 from sidmacib.design.file import DesignFile
-from sidmacib.fields import UNIONS, number_of
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.assembly import Elastic
+from sidmacib.validation import UNIONS, number_of
 from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table
 from workflow.schema import Study

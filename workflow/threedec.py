@@ -27,8 +27,7 @@ from sidmacib.mechanics.assembly import (
     self_weight,
 )
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.outcome import Outcome, State
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem, State
 from workflow.case import REFERENCE, JointCase
 from workflow.results.record import record_of, record_without_result
 from workflow.schema import Study

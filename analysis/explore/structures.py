@@ -14,8 +14,7 @@ from analysis.tables.structures import blocks_table, interfaces_table, structure
 from sidmacib.answers.structure_words import answer_words
 from sidmacib.errors import CapacityError, ResultError
 from sidmacib.models import structure_limit, structure_static
-from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Outcome, Problem
 from sidmacib.scene.loads import arrows_of
 from sidmacib.scene.sections import forces_of
 from sidmacib.scene.solids import shape_of

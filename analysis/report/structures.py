@@ -14,7 +14,7 @@ from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
-from sidmacib.outcome import FIRST_FAILURE
+from sidmacib.problem import FIRST_FAILURE
 from sidmacib.scene.loads import arrows_of
 from sidmacib.scene.sections import forces_of
 from sidmacib.scene.solids import points_of, shape_of

@@ -5,8 +5,8 @@ from itertools import product
 
 from analysis.drawing.labels import label_of, option_name, rule_name
 from analysis.tables.capacity import law_capacity
+from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint.joint import Direction
 from sidmacib.models import LAWS
 from workflow.cases import Place

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.outcome import FIRST_FAILURE
+from sidmacib.problem import FIRST_FAILURE
 from workflow.case import REFERENCE
 from workflow.results.tables import STRUCTURES, SUPPORTS, read_table
 from workflow.step import Arguments, Files, step

@@ -9,8 +9,8 @@ import pandas as pd
 from analysis.published import Published, read_published
 from analysis.tables.study_points import pure_shear_weights
 from sidmacib.contact_points.envelope import envelope
+from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction
 from sidmacib.models import LAWS, MODELS, detailed

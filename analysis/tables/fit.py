@@ -16,8 +16,7 @@ from scipy.optimize import least_squares
 
 from analysis.tables.study_points import LoadErrors, misfit, study_points
 from sidmacib.contact_points.options import ContactOption
-from sidmacib.contact_points.pair_loads import pair_loads
-from sidmacib.contact_points.programme import Sidmacib
+from sidmacib.contact_points.programme import Sidmacib, pair_loads
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE

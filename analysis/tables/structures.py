@@ -9,7 +9,7 @@ import pandas as pd
 
 from sidmacib.answers.structure import counting, without_other_meshes
 from sidmacib.models import REFERENCE_MODEL, first_failure_only
-from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Failures
+from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.analysis.rows import most_used
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from workflow.results.record import read_records

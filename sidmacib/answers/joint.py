@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from sidmacib.joint.joint import Joint
-from sidmacib.joint.load_path import load_path
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
 
@@ -55,7 +55,7 @@ def meshes(joint: Joint) -> tuple[float, float]:
 def quick_path(joint: Joint, loading: Loading) -> tuple[Assembly, StaticSolution]:
     """Pieces and one path on the fine mesh: there may be a lower peak.
 
-    Errors of `sidmacib.joint.load_path.load_path`.
+    Errors of `sidmacib.joint.loading.posed` and `sidmacib.static_peak`.
     """
     problem = posed(joint, loading, meshes(joint)[1])
     return problem.assembly, static_peak(*problem)
@@ -67,7 +67,8 @@ def joint_answer(joint: Joint, loading: Loading) -> JointAnswer:
 
     `sidmacib.errors.CapacityError` if it has none.
     """
-    return JointAnswer(*load_path(joint, loading, meshes(joint)[1]))
+    problem = posed(joint, loading, meshes(joint)[1])
+    return JointAnswer(problem.assembly, lowest_peak(*problem))
 
 
 def joint_mesh_error(joint: Joint, loading: Loading) -> float | None:
@@ -75,7 +76,7 @@ def joint_mesh_error(joint: Joint, loading: Loading) -> float | None:
 
     From the coarse mesh, too. Errors of `joint_answer`.
     """
-    coarse = load_path(joint, loading, meshes(joint)[0])[1]
+    coarse = lowest_peak(*posed(joint, loading, meshes(joint)[0]))
     fine = joint_answer(joint, loading).solution
     if not (fine.peak.load > 0.0 and coarse.peak.load > 0.0):
         return None

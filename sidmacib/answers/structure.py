@@ -17,8 +17,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.outcome import Counts, Failures, MeshErrors
-from sidmacib.problem import Problem
+from sidmacib.problem import Counts, Failures, MeshErrors, Problem
 from sidmacib.structure.analysis.mesh_error import structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.loads import naming_permanent

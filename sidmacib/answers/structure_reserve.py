@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.reserve import (

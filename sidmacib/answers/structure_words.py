@@ -1,6 +1,6 @@
 """The answer of the static model for a structure in words."""
 
-from sidmacib.outcome import Counts
+from sidmacib.problem import Counts
 from sidmacib.rounding import four_digits
 
 

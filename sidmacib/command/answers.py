@@ -15,7 +15,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:
-    from sidmacib.rule.resistance import Reliability
+    from sidmacib.rule.reliability import Reliability
 
 Row = dict[str, Any]
 
@@ -72,9 +72,8 @@ def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.contact_points.options import OPTIONS
+    from sidmacib.contact_points.options import OPTIONS, active
     from sidmacib.contact_points.programme import Sidmacib, capacity
-    from sidmacib.contact_points.reductions import active
     from sidmacib.rule.pairs import bearing_pairs
 
     counted = bearing_pairs(joint, push)
@@ -86,10 +85,9 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer:
     from sidmacib.answers.joint import meshes
-    from sidmacib.checks import checked_share
-    from sidmacib.engines.execute import EngineError
-    from sidmacib.engines.search import engine_outcome
+    from sidmacib.engines.run import EngineError, engine_outcome
     from sidmacib.joint.loading import posed
+    from sidmacib.problem import checked_share
 
     engine, loading = ENGINES[name], Loading(direction, push=push)
     problem = posed(joint, loading, meshes(joint)[1])
@@ -106,14 +104,14 @@ def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer
 def _characteristic(
     joint: Joint, direction: Direction, push: Push, reliability: "Reliability"
 ) -> Answer:
-    from sidmacib.rule.resistance import characteristic
+    from sidmacib.rule.reliability import characteristic
 
     found = characteristic(joint, direction, reliability.variation, push).capacity
     return Answer(found.load, found.moves or "5 % fractile of the first failure")
 
 
 def _design(joint: Joint, direction: Direction, push: Push, reliability: "Reliability") -> Answer:
-    from sidmacib.rule.resistance import design_resistance
+    from sidmacib.rule.reliability import design_resistance
 
     found = design_resistance(joint, direction, reliability, push)
     note = f"gamma_M {reliability.partial_factor:g} and the safe rule's margin"

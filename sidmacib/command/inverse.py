@@ -14,16 +14,21 @@ from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.quantities import Number, number_in, shown
-from sidmacib.rule.demand import (
+from sidmacib.rule.inverse import (
+    MOST,
+    SIZES,
     Candidate,
     Demand,
     Prices,
+    all_candidates,
     bonded_area,
+    cheapest,
+    cheapest_of,
+    fewest_locks,
     joint_area,
     volume_cut,
 )
-from sidmacib.rule.inverse import MOST, SIZES, all_candidates, cheapest, cheapest_of, fewest_locks
-from sidmacib.rule.resistance import DESIGN_VALUES, Reliability
+from sidmacib.rule.reliability import DESIGN_VALUES, Reliability
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

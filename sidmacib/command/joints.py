@@ -8,17 +8,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sidmacib.command.options import GEOMETRY, LOAD, MATERIAL, OUTPUT, Grouped
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Push
-from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_parameters
-from sidmacib.joint.unit_warnings import unit_warnings
+from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.quantities import Number, shown
-from sidmacib.units import with_unit
+from sidmacib.quantities import Number, shown, with_unit
 
 if TYPE_CHECKING:
-    from sidmacib.rule.resistance import Reliability
+    from sidmacib.rule.reliability import Reliability
 
 DEFAULT = Joint(5)
 # Further names of flags: -h is a height here, while other programs take it for help.
@@ -152,7 +149,7 @@ def reliability_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def reliability_of(variation: float | None, factor: float | None) -> "Reliability":
     """What these options say of strengths; `click.UsageError` names what is wrong."""
-    from sidmacib.rule.resistance import Reliability
+    from sidmacib.rule.reliability import Reliability
 
     for flag, value in (("--scatter", variation), ("--gamma-m", factor)):
         try:

@@ -23,10 +23,24 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule.first_failure import JointFailure, first_failure, weakened
-from sidmacib.rule.law import SPANS, LawCapacity, margin_of, safe, spans_of, weak_failures
-from sidmacib.rule.resistance import Characteristic, Reliability, characteristic, design_resistance
-from sidmacib.rule.scatter import Scatter
+from sidmacib.rule.law import (
+    SPANS,
+    JointFailure,
+    LawCapacity,
+    first_failure,
+    margin_of,
+    safe,
+    spans_of,
+    weak_failures,
+    weakened,
+)
+from sidmacib.rule.reliability import (
+    Characteristic,
+    Reliability,
+    Scatter,
+    characteristic,
+    design_resistance,
+)
 
 TEMPLATE = Path(__file__).with_name("note.html")
 SLIGHT = 0.01  # of the largest utilisation: locks below carry next to nothing
@@ -58,7 +72,7 @@ def write_note(case: Case, path: Path) -> None:
 def joint_note(case: Case, command: str) -> str:
     """The note of ``case``, in HTML; ``command``: what it was made by.
 
-    Errors of `sidmacib.rule.resistance.design_resistance`.
+    Errors of `sidmacib.rule.reliability.design_resistance`.
     """
     joint, direction, push = case.joint, case.direction, case.push
     found = None

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from sidmacib.command.output import FORMATS, UNITS
-from sidmacib.units import plain_unit, quantity_of
+from sidmacib.quantities import plain_unit, quantity_of
 
 # In the order of the help; options without a group come first.
 OWN, LOAD, GEOMETRY, MATERIAL, OUTPUT = "Options", "Load", "Geometry", "Material", "Input, output"

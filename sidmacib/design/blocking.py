@@ -19,7 +19,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import shapely
 
-from sidmacib.design.layouts import Layout
+from sidmacib.design.layouts import Choice
 from sidmacib.design.model import Site
 from sidmacib.mechanics.assembly import Assembly, Floats, Vector
 from sidmacib.mechanics.polygons import Polygon
@@ -29,7 +29,6 @@ CLEAR = 1e-7  # cosine that counts as a way into a block
 # Where a wall is looked for: how far beyond the interface and how deep, both over the depth of the
 # groove, and along an edge. Wedges that begin at the edge, as of voussoirs, are not seen.
 BEYOND, DEEP, ALONG = 0.1, 0.02, np.linspace(0.01, 0.99, 15)
-Choice = Sequence[Layout | None]  # for each site
 
 
 @dataclass(frozen=True)

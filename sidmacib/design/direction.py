@@ -19,12 +19,11 @@ from scipy.sparse import csr_array, eye_array, hstack
 
 from sidmacib.design.layouts import Layout
 from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
-from sidmacib.design.silence import silent
 from sidmacib.design.sizing import ENOUGH, WHAT, Mechanism, least_cost, work_of
 from sidmacib.errors import InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
-from sidmacib.mechanics.optimisation import solve
+from sidmacib.mechanics.optimisation import silent, solve
 from sidmacib.validation import require_positive
 
 GAP = 0.01  # of the cost, over the cost

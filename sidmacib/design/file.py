@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 from urllib.parse import quote
@@ -259,14 +259,6 @@ def _require_room(face: Polygon, solids: Sequence[Any], height: float) -> None:
         if height / 2 >= depth * (1.0 - CLOSE):
             allowed = f"less than {2.0 * depth:g} m, as {solid.name} is {depth:g} m deep there"
             raise refused("design.locks.height", height, allowed)
-
-
-def with_demand(task: Task, demand: Mapping[str, float]) -> Task:
-    """The task with the load of each case, by its name, multiplied by its ``demand``."""
-    cases = tuple(
-        replace(case, load=case.load * demand[case.name]) for case in task.structure.cases
-    )
-    return replace(task, structure=replace(task.structure, cases=cases))
 
 
 def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:

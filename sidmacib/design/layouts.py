@@ -113,6 +113,9 @@ class Layout:
         )
 
 
+Choice = Sequence[Layout | None]  # for each site
+
+
 def directions_of(
     face: Polygon, *, angles: Sequence[float] = (), runs: Sequence[Vector] = ()
 ) -> tuple[Vector, ...]:

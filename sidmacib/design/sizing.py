@@ -5,13 +5,12 @@ in parts that add up to at most 1: its optimum is below the cost of any choice o
 direction, that carries the same in this model.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cvxpy as cp
 import numpy as np
 
-from sidmacib.design.layouts import Layout
+from sidmacib.design.layouts import Choice
 from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Floats
@@ -21,7 +20,6 @@ from sidmacib.mechanics.optimisation import solve
 WHAT = "design"
 ACCURACIES = (1e-9, 1e-7, 1e-5)  # of factors, whose multipliers are sensitivities
 ENOUGH = 1e-6  # accuracy of costs
-Choice = Sequence[Layout | None]  # for each site
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sidmacib.engines.execute import EngineNoAnswerError, execute
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import write_script
-from sidmacib.engines.run import refusal
+from sidmacib.engines.run import EngineNoAnswerError, execute, refusal
 from sidmacib.engines.scripts.records import HISTORY
 from sidmacib.engines.yade.engine import YADE
 from sidmacib.mechanics.assembly import Floats

@@ -1,4 +1,4 @@
-"""An external program that a study can run."""
+"""An external program that a study can run, and the parameters of its search for the peak."""
 
 import os
 import re
@@ -6,12 +6,44 @@ import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Annotated
 
-from sidmacib.engines.numerics import Numerics
 from sidmacib.model import Ability, Model
+from sidmacib.quantities import Number, Share
 
 # Variables that schedulers and MPI set for the processes that they start; not for engines.
 FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Parameters of the search for the peak; all are dimensionless.
+
+    The configuration takes keys, ranges and defaults of ``dem.numerics`` from here. Which of them
+    an engine takes notice of is in its `reads`.
+    """
+
+    # last load increment over the peak
+    tolerance: Annotated[float, Number(at_least=1e-5, at_most=0.0025)] = 0.001
+    # whether the search starts near the result of the static model
+    guided: bool = True
+    # over the loads' scale, where it does not
+    first_increment: Annotated[float, Number(above=0, at_most=1)] = 0.02
+    # time in which the whole load is raised, and the longest wait for equilibrium after an
+    # increment, both over the longest natural period of the unbroken assembly
+    ramp_periods: Annotated[float, Number(at_least=1, at_most=1000)] = 40.0
+    hold_periods: Annotated[float, Number(at_least=1, at_most=100_000)] = 4000.0
+    # mean unbalanced force on a piece over the load; less is equilibrium
+    unbalanced_ratio: Annotated[float, Number(at_least=1e-9, at_most=0.01)] = 1e-4
+    # displacement since the last equilibrium over the mean size of pieces; what has moved further,
+    # and moves ever faster, falls
+    collapse_share: Annotated[float, Number(at_least=0.001, at_most=1)] = 0.04
+    # share of the unbalanced force that is removed
+    damping: Share = 0.4
+    # over the largest stable time step
+    time_step_ratio: Share = 0.4
+    # processes for one case
+    ranks: Annotated[int, Number(at_least=1, at_most=1024, whole=True)] = 1
 
 
 def engine_environment(**more: str) -> dict[str, str]:
@@ -50,10 +82,6 @@ class Engine(Model):
     def numerics(self, given: Numerics) -> Numerics:
         """``given``, for one process unless the engine can use several."""
         return given if "ranks" in self.reads else replace(given, ranks=1)
-
-    def wants_guide(self, numerics: Numerics) -> bool:
-        """Whether its search begins from loads of the static model."""
-        return numerics.guided and "guided" in self.reads
 
     def missing(self) -> str | None:
         """The package to install, in one line; None if the program is installed."""

@@ -14,8 +14,7 @@ from typing import Any
 import jinja2
 import jinja2.meta
 
-from sidmacib.engines.engine import Engine
-from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.engine import Engine, Numerics
 from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
 from sidmacib.engines.sides import convex_solids, sides, vertices_above
 from sidmacib.mechanics.assembly import (

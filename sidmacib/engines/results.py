@@ -11,7 +11,7 @@ from sidmacib.engines.scripts.records import HISTORY, MODES, NODES, RESULT
 from sidmacib.errors import ResultError
 from sidmacib.mechanics.assembly import Assembly, Floats, Nodes
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.outcome import Outcome, State
+from sidmacib.problem import Outcome, State
 
 BROKEN = "_broken_share"  # suffix of a history's columns of broken bonds
 NODE_COLUMNS = (

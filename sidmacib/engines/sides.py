@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, KDTree
+from shapely import MultiPoint, get_coordinates
 
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Floats, Piece
 
@@ -25,10 +25,11 @@ def vertices_above(assembly: Assembly) -> NDArray[np.bool_]:
     below, above = np.array([(face.below, face.above) for face in faces]).T[:, nodes.face]
     at_corner = np.zeros((2, len(nodes.face)), bool)
     for index, piece in enumerate(assembly.pieces):
-        corners = KDTree(_corners(piece))
+        corners = _corners(piece)
         for side, pieces in enumerate((below, above)):
             mine = pieces == index
-            at_corner[side, mine] = corners.query(nodes.position[mine])[0] <= AT * assembly.length
+            apart = np.linalg.norm(nodes.position[mine, None] - corners, axis=2)
+            at_corner[side, mine] = apart.min(axis=1) <= AT * assembly.length
     fixed_below = np.array([piece.fixed for piece in assembly.pieces])[below]
     return np.where(at_corner[0] != at_corner[1], at_corner[1], fixed_below)
 
@@ -48,9 +49,13 @@ def _edges(corners: Floats, face: Face, near: float) -> list[list[float]]:
     found = corners[np.abs((corners - face.middle) @ face.axes[0]) <= near]
     if len(found) < 3 or np.linalg.matrix_rank(found[1:] - found[0], tol=near) < 2:
         found = face.corners
-    equations = ConvexHull((found - face.middle) @ face.axes[1:].T).equations
-    across = equations[:, :2] @ face.axes[1:]
-    return np.column_stack([across, across @ face.middle - equations[:, 2]]).tolist()
+    hull = MultiPoint((found - face.middle) @ face.axes[1:].T).convex_hull
+    outline = get_coordinates(hull)  # clockwise
+    along = np.diff(outline, axis=0)
+    outward = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    across = outward @ face.axes[1:]
+    reach = (outward * outline[:-1]).sum(axis=1)
+    return np.column_stack([across, across @ face.middle + reach]).tolist()
 
 
 def convex_solids(piece: Piece) -> list[list[list[list[float]]]]:

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import AMOUNTS
-from sidmacib.joint.joint import Joint
+from sidmacib.joint.joint import AMOUNTS, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.joint.pieces import reassemble

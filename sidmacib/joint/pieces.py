@@ -5,14 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from sidmacib.joint.hold_down import Hold
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint.joint import Hold, Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     CLOSE,
     Assembly,
     Cuboid,
     FaceMaterial,
-    Floats,
     Kind,
     NodeLayout,
     Nodes,
@@ -36,7 +34,7 @@ def assemble(
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO
-    if not mesh > 0 or (mesh > most if one_cell else _cells(most, mesh) < 2):
+    if not mesh > 0 or (mesh > most if one_cell else cells_along(np.array([most]), mesh)[0] < 2):
         raise ValueError(
             f"mesh: must be more than 0 and {'at most' if one_cell else 'less than'} {most} m, the "
             f"shorter side of a lock's horizontal face (got {mesh} m)"
@@ -58,28 +56,14 @@ def reassemble(joint: Joint, assembly: Assembly) -> Assembly:
     faces = tuple(_faces(joint, pieces))
     if [face.name for face in faces] != [face.name for face in before]:
         raise ValueError("joint: must be cut into the same pieces")
-    low, high, area = _corners(before)
-    new_low, new_high, new_area = _corners(faces)
+    (low, high), (new_low, new_high) = corners(before), corners(faces)
+    larger = np.array([new.area / old.area for new, old in zip(faces, before, strict=True)])
     face = assembly.nodes.face
     side = np.where(high > low, high - low, 1.0)
     part = (assembly.nodes.position - low[face]) / side[face]
     position = new_low[face] + part * (new_high - new_low)[face]
-    nodes = Nodes(face, position, assembly.nodes.area * (new_area / area)[face])
+    nodes = Nodes(face, position, assembly.nodes.area * larger[face])
     return replace(assembly, pieces=pieces, faces=faces, nodes=nodes, length=joint.a)
-
-
-def _corners(faces: tuple[Rectangle, ...]) -> tuple[Floats, Floats, Floats]:
-    """Lowest and highest corners of ``faces`` (m), (F, 3) each, and their areas (m2), (F,)."""
-    return *corners(faces), np.array([face.area for face in faces])
-
-
-def _cells(side: float, mesh: float) -> int:
-    return int(cells_along(np.array([side]), mesh)[0])
-
-
-def cut_pieces(joint: Joint) -> tuple[Cuboid, ...]:
-    """Lower body, plate (if any), locks, and upper body or its columns, in this order."""
-    return tuple(_pieces(joint))
 
 
 def lock_name(lock: int) -> str:
@@ -104,22 +88,17 @@ def upper_block(joint: Joint) -> tuple[str, ...]:
 
 def lock_faces(joint: Joint) -> dict[str, int]:
     """Numbers of the locks by the name of each one's inner (horizontal) face."""
-    return {
-        _inner(lock_name(lock), body_above(joint, lock))
-        if joint.is_upper(lock)
-        else _inner(LOWER, lock_name(lock)): lock
-        for lock in joint.numbers
-    }
+    found = {}
+    for lock in joint.numbers:
+        name, upper = lock_name(lock), joint.is_upper(lock)
+        below, above = (name, body_above(joint, lock)) if upper else (LOWER, name)
+        found[f"{Kind.INNER}-{below}-{above}"] = lock
+    return found
 
 
-def _inner(below: str, above: str) -> str:
-    return f"{Kind.INNER}-{below}-{above}"
-
-
-def _pieces(joint: Joint) -> Iterator[Cuboid]:
-    x = joint.a / 2
-    width = joint.total_width
-    top = joint.h + joint.H
+def cut_pieces(joint: Joint) -> tuple[Cuboid, ...]:
+    """Lower body, plate (if any), locks, and upper body or its columns, in this order."""
+    x, width, top = joint.a / 2, joint.total_width, joint.h + joint.H
 
     def cuboid(
         name: str,
@@ -134,31 +113,23 @@ def _pieces(joint: Joint) -> Iterator[Cuboid]:
         return Cuboid(name, low, high, density * volume, fixed, elastic)
 
     # The lower body and the plate are fixed and rigid: their thickness is immaterial.
-    yield cuboid(LOWER, (0.0, width), (-joint.H, 0.0), fixed=True)
-    if _under_a_plate(joint):
-        yield cuboid(PLATE, (0.0, width), (top, top + joint.h), fixed=True)
-    for lock in joint.numbers:
+    pieces = [cuboid(LOWER, (0.0, width), (-joint.H, 0.0), fixed=True)]
+    if joint.hold_down.kind is Hold.PLATE:
+        pieces.append(cuboid(PLATE, (0.0, width), (top, top + joint.h), fixed=True))
+    strips = {lock: (joint.edge(lock - 1), joint.edge(lock)) for lock in joint.numbers}
+    for lock, strip in strips.items():
         density = joint.lock_density(lock)
-        yield cuboid(lock_name(lock), _strip(joint, lock), (0.0, joint.h), density=density)
+        pieces.append(cuboid(lock_name(lock), strip, (0.0, joint.h), density=density))
     if joint.upper_body is UpperBody.MONOLITHIC:
-        yield cuboid(BODY, (0.0, width), (joint.h, top))
-        return
-    for lock in joint.numbers:
-        yield cuboid(body_above(joint, lock), _strip(joint, lock), (joint.h, top))
-
-
-def _strip(joint: Joint, lock: int) -> tuple[float, float]:
-    return joint.edge(lock - 1), joint.edge(lock)
-
-
-def _under_a_plate(joint: Joint) -> bool:
-    return joint.hold_down.kind is Hold.PLATE
+        return *pieces, cuboid(BODY, (0.0, width), (joint.h, top))
+    columns = (cuboid(body_above(joint, n), strip, (joint.h, top)) for n, strip in strips.items())
+    return *pieces, *columns
 
 
 def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
     index = {piece.name: i for i, piece in enumerate(pieces)}
     monolithic = joint.upper_body is UpperBody.MONOLITHIC
-    plate, dry = _under_a_plate(joint), joint.dry
+    plate, dry = joint.hold_down.kind is Hold.PLATE, joint.dry
     smooth = FaceMaterial(dry.normal_stiffness, dry.shear_stiffness, 0.0, 0.0, 0.0)
     material = {Kind.DRY: dry, Kind.PLATE: smooth}
     between = joint.inner

@@ -14,7 +14,6 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.fields import require_kinds
 from sidmacib.quantities import (
     FractureEnergy,
     Friction,
@@ -24,16 +23,20 @@ from sidmacib.quantities import (
     Stiffness,
     Strength,
 )
-from sidmacib.validation import refused, require_member, require_not_negative, require_positive
+from sidmacib.validation import (
+    refused,
+    require_kinds,
+    require_member,
+    require_not_negative,
+    require_positive,
+)
 
 GRAVITY = 9.81  # m/s2
 CLOSE = 1e-9  # over a size: points no further apart than this are the same point
-
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 _Shape = TypeVar("_Shape", bound="Cuboid | Rectangle")
-
 _AXES = np.eye(3)[(np.arange(3)[:, None] + np.arange(3)) % 3]  # normal and tangents along each axis
 
 
@@ -301,34 +304,31 @@ class Assembly:
         require_member(NodeLayout, layout=self.layout)
         if not self.mesh > 0.0:
             raise refused("mesh", self.mesh, "more than 0")
-        if self.failure is not Failure.BRITTLE:
-            for face in self.faces:
-                if rough := face.material.bond_friction:
-                    raise refused("bond_friction", rough, f"0, as failure is {self.failure}")
+        rough = next(filter(None, (face.material.bond_friction for face in self.faces)), 0.0)
+        if rough and self.failure is not Failure.BRITTLE:
+            raise refused("bond_friction", rough, f"0, as failure is {self.failure}")
 
     @property
     def cuboids(self) -> tuple[Cuboid, ...]:
         """The pieces, where a model needs cuboids; ValueError if one has another shape."""
-        return tuple(_shaped(piece, Cuboid, "cuboid") for piece in self.pieces)
+        return tuple(_shaped(piece, Cuboid) for piece in self.pieces)
 
     @property
     def rectangles(self) -> tuple[Rectangle, ...]:
         """The faces, where a model needs rectangles; ValueError if one has another outline."""
-        return tuple(_shaped(face, Rectangle, "rectangle") for face in self.faces)
+        return tuple(_shaped(face, Rectangle) for face in self.faces)
 
     @property
     def without_stiffness(self) -> str | None:
         """A refusal that names a face without stiffness; None if all faces have one."""
-        for face in self.faces:
-            if face.kind is Kind.LOCKED:
-                return f"{face.name} has condensed locks, which have no stiffness; cut them out"
-        return None
+        name = next((face.name for face in self.faces if face.kind is Kind.LOCKED), None)
+        return name and f"{name} has condensed locks, which have no stiffness; cut them out"
 
 
-def _shaped(part: Piece | Face, shape: type[_Shape], words: str) -> _Shape:
-    if not isinstance(part, shape):
-        raise ValueError(f"{part.name}: must be a {words} along the axes in this model")
-    return part
+def _shaped(one: Piece | Face, shape: type[_Shape]) -> _Shape:
+    if isinstance(one, shape):
+        return one
+    raise ValueError(f"{one.name}: must be a {shape.__name__.lower()} along the axes in this model")
 
 
 @dataclass(frozen=True)
@@ -394,6 +394,4 @@ def rotated(vectors: Floats, axis: Floats, angle: float) -> Floats:
 
 def self_weight(pieces: Sequence[Piece]) -> Floats:
     """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
-    weight = np.zeros((len(pieces), 6))
-    weight[:, 2] = [-piece.weight for piece in pieces]
-    return weight
+    return np.array([[0.0, 0.0, -piece.weight, 0.0, 0.0, 0.0] for piece in pieces])

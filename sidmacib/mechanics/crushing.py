@@ -24,10 +24,10 @@ import shapely
 from scipy.sparse import csr_array
 from scipy.spatial import ConvexHull
 
-from sidmacib.fields import require_kinds
 from sidmacib.mechanics.assembly import Assembly, Face, FaceMaterial, Floats, Integers, Kind
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number
+from sidmacib.validation import require_kinds
 
 # Directions of stress blocks, from the normal of a side to that of the next; the factor from a
 # depth to the next, and the number of depths.

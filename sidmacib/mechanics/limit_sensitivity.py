@@ -47,6 +47,11 @@ class Change:
     difference: float
     size: float = 1.0
 
+    @property
+    def ends(self) -> tuple[tuple[Assembly, Loads], tuple[Assembly, Loads]]:
+        """Before and after."""
+        return self.before, self.after
+
 
 @dataclass(frozen=True)
 class LimitDerivatives:
@@ -70,15 +75,16 @@ def limit_derivatives(
     numbers of nodes.
     """
     for name, change in changes.items():
-        for other, _ in (change.before, change.after):
+        for other, _ in change.ends:
             if _shape(other) != _shape(assembly):
                 raise ValueError(f"{name}: must keep pieces, faces and the number of nodes")
     state = limit_load(assembly, loads, friction=friction)
     if state.twisted or crushed_faces(assembly):
-        return LimitDerivatives(
-            state.load,
-            {name: _difference(change, friction) for name, change in changes.items()},
-        )
+        by: dict[str, float | None] = {}
+        for name, change in changes.items():
+            before, after = (limit_load(*end, friction=friction).load for end in change.ends)
+            by[name] = (after - before) / change.difference
+        return LimitDerivatives(state.load, by)
     shaken = [
         limit_load(*_shaken(assembly, loads, sign), friction=friction) for sign in (SHAKE, -SHAKE)
     ]
@@ -92,12 +98,6 @@ def limit_derivatives(
     return LimitDerivatives(state.load, found)
 
 
-def _difference(change: Change, friction: bool) -> float:
-    """The derivative from the limit loads at either end of ``change``."""
-    before, after = (limit_load(*each, friction=friction).load for each in _sides(change))
-    return (after - before) / change.difference
-
-
 def _shape(assembly: Assembly) -> tuple[int, tuple[tuple[int, int], ...], list[int]]:
     ends = tuple((face.below, face.above) for face in assembly.faces)
     return len(assembly.pieces), ends, assembly.nodes.face.tolist()
@@ -105,24 +105,20 @@ def _shape(assembly: Assembly) -> tuple[int, tuple[tuple[int, int], ...], list[i
 
 def _derivative(assembly: Assembly, state: LimitState, change: Change, friction: bool) -> float:
     """The derivative of the limit load with the forces and the mechanism of ``state`` held."""
-    left = [unbalanced_forces(*each, state.load, state.force) for each in _sides(change)]
+    left = [unbalanced_forces(*each, state.load, state.force) for each in change.ends]
     value = -float(np.sum(state.mechanism * (left[1] - left[0])))
     moved = equilibrium_matrix(assembly).T @ state.mechanism.ravel()
     closing, *along = moved.reshape(-1, 3).T
     slip, normal = np.hypot(*along), state.force[:, 0]
     law = ContactLaw.of(assembly)
     cone = law.cone(friction=friction)
-    before, after = (ContactLaw.of(each).cone(friction=friction) for each, _ in _sides(change))
+    before, after = (ContactLaw.of(each).cone(friction=friction) for each, _ in change.ends)
     held, slope = after.held - before.held, after.slope - before.slope
     opening = np.maximum(-closing - cone.slope * slip, 0.0)
     sliding = slip * (held + normal * slope) + opening * (after.torn - before.torn)
     of_locks = np.abs(along[0]) * normal * slope + np.abs(along[1]) * held
     value += float(np.sum(np.where(law.locked, of_locks, sliding)))
     return value / change.difference
-
-
-def _sides(change: Change) -> tuple[tuple[Assembly, Loads], tuple[Assembly, Loads]]:
-    return change.before, change.after
 
 
 def _shaken(assembly: Assembly, loads: Loads, share: float) -> tuple[Assembly, Loads]:

@@ -11,7 +11,11 @@ other settings or another solver are tried. Programmes should be stated in units
 numbers are about 1.
 """
 
+import ctypes
+import os
+import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +51,7 @@ _LINEAR: tuple[tuple[str, dict[str, Any]], ...] = (
     (cp.HIGHS, _SIMPLEX),
     *_CONIC[:2],
 )
+OUTPUT = 1  # the file descriptor
 
 
 @dataclass(frozen=True)
@@ -192,3 +197,29 @@ def _projected_on_second_order(cones: Floats) -> Floats:
 
 def _length(vector: Floats) -> float:
     return float(np.sqrt(np.sum(vector**2)))  # not by BLAS, whose rounding depends on the processor
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Drop what compiled code writes to standard output meanwhile.
+
+    HiGHS writes debugging lines there (``HighsMipSolverData::transformNewIntegerFeasibleSolution``)
+    even without a log, which would end up between the lines of a table or of JSON.
+    """
+    try:
+        kept = os.dup(OUTPUT)
+    except OSError:  # there is none
+        yield
+        return
+    c_library = ctypes.CDLL(None)
+    sys.stdout.flush()
+    c_library.fflush(None)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, OUTPUT)
+    os.close(nowhere)
+    try:
+        yield
+    finally:
+        c_library.fflush(None)  # else it comes later, out of C's own buffer
+        os.dup2(kept, OUTPUT)
+        os.close(kept)

@@ -11,15 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from sidmacib.mechanics.assembly import (
-    CLOSE,
-    FaceMaterial,
-    Floats,
-    Kind,
-    NodeLayout,
-    Nodes,
-    Vector,
-)
+from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Kind, NodeLayout, Nodes, Vector
 from sidmacib.mechanics.contact_nodes import cells_along, side_rule
 
 # Quadrature rules of a triangle: barycentric places, and weights. The last is exact to degree 3.
@@ -127,7 +119,11 @@ def outline_nodes(
     convex = outline.convex_hull.area - outline.area <= CLOSE * size**2
     if convex and len(corners) == 4 and _right_angled(corners):
         return _on_rectangle(corners, mesh, layout, divided)
-    triangles = _around_centroid(outline, corners) if convex else _delaunay(outline)
+    if convex:
+        triangles = _around_centroid(outline, corners)
+    else:
+        parts = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
+        triangles = [shapely.get_coordinates(part)[:3] for part in parts]
     longest = max(float(np.hypot(*(t - np.roll(t, 1, axis=0)).T).max()) for t in triangles)
     cells = divided * int(cells_along(np.array([longest]), mesh)[0])
     if convex and cells == 1 and layout is NodeLayout.VERTICES:
@@ -164,11 +160,6 @@ def _around_centroid(outline: shapely.Polygon, corners: Floats) -> list[Floats]:
         np.array([middle, one, other])
         for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True)
     ]
-
-
-def _delaunay(outline: shapely.Polygon) -> list[Floats]:
-    parts = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
-    return [shapely.get_coordinates(part)[:3] for part in parts]
 
 
 def _area(triangle: Floats) -> float:

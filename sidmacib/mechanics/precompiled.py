@@ -14,7 +14,6 @@ from numba import float64, int64, typeof, types
 from sidmacib.mechanics.compilation import SHIPPED, Shipped
 from sidmacib.mechanics.contact_law import kernels
 from sidmacib.mechanics.newton import equilibrium, faces
-from sidmacib.mechanics.newton.elimination import Matrix
 
 Signature = tuple[Any, ...]
 
@@ -28,7 +27,10 @@ def signatures() -> dict[Any, Signature]:
     contacts = typeof(
         faces.ContactFaces(law, places, start, cube, cube, whole, blocks, False, 0, 0, 0)
     )
-    matrix, here = typeof(Matrix(law, law, law)), typeof(faces.new_point(1, np.array([0, 1])))
+    matrix, here = (
+        typeof(equilibrium.Matrix(law, law, law)),
+        typeof(faces.new_point(1, np.array([0, 1]))),
+    )
     solved, nodes = (contacts, matrix, here), (row, row, table, row)  # forces, guess, slip, whole
     return {
         faces.whole_faces: (contacts, here),

@@ -49,11 +49,6 @@ class SlidingLimit:
     highest: float | None = None
 
     @property
-    def overestimate(self) -> float:
-        """By how much associated friction is higher, over the load without dilation."""
-        return self.associated.load / self.state.load - 1.0
-
-    @property
     def note(self) -> str:
         """The assumption of the load, in words."""
         words = "sliding does not open the joints"
@@ -109,18 +104,15 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         calm = calm + 1 if abs(change) <= SLIDING_SETTLED * abs(state.load) else 0
         if calm >= CALM and _off_cone(cone, dry, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
-        if len(found) > LAST and _close([each.load for each in found[-LAST:]]):
+        last = sorted(found[-LAST:], key=lambda each: each.load)
+        close = last[-1].load - last[0].load <= ALIKE * abs(last[0].load)
+        if len(found) > LAST and close:
             break
     if len(found) == 1:
         raise SolverError(
             f"{WITHOUT_DILATION}: {SLIDING_ROUNDS} rounds find no forces that balance the weight"
         )
-    last = sorted(found[-LAST:], key=lambda each: each.load)
     return SlidingLimit(last[0], associated, number, last[-1].load)
-
-
-def _close(loads: list[float]) -> bool:
-    return max(loads) - min(loads) <= ALIKE * abs(min(loads))
 
 
 def _off_cone(cone: Cone, dry: Flags, force: Floats) -> float:

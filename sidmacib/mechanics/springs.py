@@ -87,12 +87,8 @@ class Springs:
     def elastic_stiffness(self) -> Floats:
         """Stiffness (N/m) by all unknowns, (U, U), with every node closed and bonded."""
         p, q = self.place.T
-        normal, shear, zero = (
-            self.contact_law.normal_stiffness,
-            self.contact_law.shear_stiffness,
-            np.zeros(len(p)),
-        )
-        one = zero + 1.0
+        normal, shear = self.contact_law.normal_stiffness, self.contact_law.shear_stiffness
+        zero, one = np.zeros(len(p)), np.ones(len(p))
         rows = np.array(  # of the nodes' displacements by the motion of their face
             [
                 [one, zero, zero, zero, q, -p],

@@ -2,8 +2,7 @@
 
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.outcome import Outcome, State
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem, State
 
 
 def solve(problem: Problem) -> Outcome:

@@ -3,8 +3,7 @@
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.outcome import Outcome, State
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem, State
 
 
 def solve(problem: Problem) -> Outcome:

@@ -4,8 +4,7 @@ from sidmacib.answers.structure_limit import limit_state
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
-from sidmacib.outcome import MECHANISM, MeshErrors, Outcome, State
-from sidmacib.problem import Problem
+from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt

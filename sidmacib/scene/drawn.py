@@ -6,8 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.outcome import Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem
 from sidmacib.rounding import four_digits
 from sidmacib.scene.loads import arrows_of
 from sidmacib.scene.sections import Reaction, forces_of, reactions, thrust

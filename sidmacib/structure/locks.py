@@ -13,8 +13,7 @@ import numpy as np
 import shapely
 
 from sidmacib.contact_points.options import OPTIONS, ContactOption
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
+from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER, HoldDown
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
 from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
 
-from sidmacib.joint.unit_warnings import beyond, material_warnings
+from sidmacib.joint.parameters import beyond, material_warnings
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number

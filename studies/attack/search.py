@@ -23,11 +23,10 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import Hold, HoldDown
-from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
-from sidmacib.joint.load_path import load_path
+from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.rule.law import SPANS, safe
 from studies.markdown import markdown
@@ -257,7 +256,8 @@ def _checked(
     """First failure and peak on other nodes; the reason if there is none."""
     row: dict[str, Any] = {f"nodes_{number}": f"{layout}, {cells} cells"}
     try:
-        _, path = load_path(target.joint, target.loading, target.joint.least_side / cells, layout)
+        joint, loading = target.joint, target.loading
+        path = lowest_peak(*posed(joint, loading, joint.least_side / cells, layout))
     except CapacityError as error:
         return row | {f"error_{number}": str(error)}
     return row | {

@@ -7,11 +7,9 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading
-from sidmacib.rule.first_failure import first_failure
-from sidmacib.rule.law import RULES
+from sidmacib.rule.law import RULES, first_failure
 from sidmacib.rule.pairs import pairs_of
 from workflow.sampling import SampledJoint, joints_of
 from workflow.step import Arguments, Files, step

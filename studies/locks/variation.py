@@ -14,13 +14,12 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
-from sidmacib.fields import dataclass_from
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.rule.first_failure import first_failure
-from sidmacib.rule.law import law
-from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
+from sidmacib.rule.law import first_failure, law
+from sidmacib.rule.reliability import FIFTH_PERCENTILE, scatter
+from sidmacib.validation import dataclass_from
 from workflow.results.tables import Table, write_table
 from workflow.sampling import Sampling, with_ratios
 from workflow.step import Arguments, Files, step

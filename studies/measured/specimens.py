@@ -5,7 +5,7 @@
 A laboratory that breaks joints of n locks, and joints of three from the same batch, measures the
 ratio of their loads, in which the strength of the bonds cancels. The models predict two ratios. The
 number of specimens is that of a two-sided test of the mean logarithm of the ratio, with normal
-quantiles, for scattering strengths of the locks (`sidmacib.rule.scatter`).
+quantiles, for scattering strengths of the locks (`sidmacib.rule.reliability`).
 """
 
 import argparse
@@ -19,7 +19,7 @@ from scipy.stats import norm
 
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.rule.scatter import scatter
+from sidmacib.rule.reliability import scatter
 from studies.markdown import direction as named
 from studies.markdown import markdown_of
 from workflow.results.tables import Table, write_table

@@ -13,10 +13,10 @@ import pandas as pd
 import yaml
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.search import engine_outcome
+from sidmacib.engines.run import engine_outcome
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import (

@@ -6,7 +6,7 @@ from typing import Any
 from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mesh_error import cells_of
-from sidmacib.outcome import Outcome
+from sidmacib.problem import Outcome
 from sidmacib.rounding import clean, rounded
 from workflow.case import JointCase
 from workflow.results.record import Record

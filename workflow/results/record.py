@@ -13,12 +13,10 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from sidmacib.checks import checked_share
 from sidmacib.errors import ResultError
-from sidmacib.fields import dataclass_from
-from sidmacib.outcome import Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem, checked_share
 from sidmacib.rounding import rounded
+from sidmacib.validation import dataclass_from
 from workflow.case import SUBJECTS, Case, CaseId, JointSubject
 
 CASE, RECORD = "case.json", "record.json"

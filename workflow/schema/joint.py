@@ -10,8 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from sidmacib.joint.hold_down import HeldDown, HoldDown
-from sidmacib.joint.joint import DRY, INNER, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.joint.parameters import SIZES
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout

@@ -5,9 +5,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
-from sidmacib.contact_points.reductions import REDUCTIONS
-from sidmacib.engines.numerics import Numerics
+from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
+from sidmacib.engines.engine import Numerics
 from sidmacib.quantities import Number, Part, one_of, shown
 from sidmacib.reading import Section, Some, changes_to, section_of
 from workflow.schema.values import Name

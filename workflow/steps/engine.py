@@ -5,20 +5,18 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
-from sidmacib.engines.run import refusal
+from sidmacib.engines.run import (
+    EngineError,
+    EngineKilledError,
+    EngineNoAnswerError,
+    engine_outcome,
+    refusal,
+)
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import OUTPUTS
-from sidmacib.engines.search import engine_outcome
 from sidmacib.errors import CapacityError, ResultError
 from workflow.case import Case
-from workflow.results.record import (
-    BROKE_DOWN,
-    CASE,
-    Record,
-    record_of,
-    record_without_result,
-)
+from workflow.results.record import BROKE_DOWN, CASE, Record, record_of, record_without_result
 from workflow.step import Arguments, Files, KilledError, step
 
 

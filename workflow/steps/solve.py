@@ -21,8 +21,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.model import Ability
 from sidmacib.models import MODELS
-from sidmacib.outcome import Outcome
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem
 from workflow.case import Case, JointCase
 from workflow.results.record import (
     BATCH_HISTORY,

@@ -17,7 +17,7 @@ with D = 1 in the first under compression. It fails where its utilisation is 1:
     u = \max\left( \frac{|s_t| - \mu_b s_n}{\tau_k A},\ \frac{-s_n}{\sigma A} \right)
 
 The friction of bonds, :math:`\mu_b`, is 0 in the paper. A brittle bond then has D = 0, a softening
-one less and less, see `sidmacib.mechanics.contact_law.softening`.
+one less and less, see `sidmacib.mechanics.static.softening`.
 
 Dry, or bonded no more (D = 0): no tension, and Coulomb's friction, by return mapping:
 
@@ -49,6 +49,7 @@ their own: each script has the law in its engine's terms, and the utilisation of
 """
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,10 @@ from numpy.typing import NDArray
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 
 Flags = NDArray[np.bool_]
+_NUMBERS = attrgetter(
+    *("normal_stiffness", "shear_stiffness", "cohesion", "tensile_strength"),
+    *("friction", "bond_friction"),
+)
 
 
 @dataclass(frozen=True)
@@ -79,20 +84,7 @@ class ContactLaw:
     @classmethod
     def of(cls, assembly: Assembly) -> "ContactLaw":
         """Material of each node's face times the node's area."""
-        material = [face.material for face in assembly.faces]
-        per_face = np.array(
-            [
-                (
-                    each.normal_stiffness,
-                    each.shear_stiffness,
-                    each.cohesion,
-                    each.tensile_strength,
-                    each.friction,
-                    each.bond_friction,
-                )
-                for each in material
-            ]
-        )
+        per_face = np.array([_NUMBERS(face.material) for face in assembly.faces])
         per_node = per_face[assembly.nodes.face]
         area = assembly.nodes.area[:, None]
         normal, shear, held, torn = np.ascontiguousarray((per_node[:, :4] * area).T)

@@ -13,25 +13,31 @@ law; only nodes that are open or slip have unknowns. Node forces always balance 
 """
 
 import math
+import os
+import resource
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.linalg.blas import dgemm
 
-from sidmacib.errors import NoEquilibriumError, SolverError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.errors import CapacityError, NoEquilibriumError, SolverError
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.elastic.flexibility import flexibility
-from sidmacib.mechanics.elastic.loose_nodes import LooseNodes
-from sidmacib.mechanics.elastic.memory import memory_needed, require_memory
-from sidmacib.mechanics.elastic.open_gaps import OpenGaps
-from sidmacib.mechanics.elastic.symmetric import cholesky_factor, inverse_by
+from sidmacib.mechanics.elastic.flexibility import element_edges, flexibility
+from sidmacib.mechanics.elastic.jumps import LooseNodes, OpenGaps, cholesky_factor, inverse_by
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton.equilibrium import STEPS
 from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
 
+GIB = 2.0**30
+BYTES = 8.0  # of a number
+MATRICES = 3.5  # that are in memory at the same time
+ENTRY = 6.0  # numbers for each entry of a stiffness while it is put together
+CGROUP = Path("/sys/fs/cgroup/memory.max")  # of a container
 PATIENCE = 16  # steps in which the residual must at least halve
 SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # fractions of a Newton step that are tried
 LAW_RESIDUAL = 1e-9  # of the contact law, over the loads
@@ -40,6 +46,43 @@ LOOSE = 1e-13  # of the stiffness against rigid motions: added for pieces that n
 LEAST_STEP = 0.01  # of friction that is raised from 0, over all of it
 STICKS = 1e6  # times friction: at so much, hardly a node slides
 LEAST_RATIO = 1.01  # of friction that is lowered from there, to that of the next step
+
+
+def require_memory(needed: float, what: str) -> None:
+    """Raise `CapacityError` if ``what`` needs more than this machine has; ``needed``: bytes."""
+    available = memory()
+    if needed > available:
+        raise CapacityError(
+            f"{what} need {needed / GIB:.1f} GiB of memory or more, and this machine has "
+            f"{available / GIB:.1f} GiB; use a coarser mesh"
+        )
+
+
+def memory() -> float:
+    """Memory (bytes) that a process may use on this machine."""
+    limits = [float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))]
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if allowed != resource.RLIM_INFINITY:
+        limits.append(float(allowed))
+    with suppress(OSError, ValueError):  # no container, or one without a limit
+        limits.append(float(CGROUP.read_text()))
+    return min(limits)
+
+
+def memory_needed(assembly: Assembly, kept: Integers) -> float:
+    """Least memory (bytes) of the elastic solver for the node components ``kept``.
+
+    It keeps several matrices at a time, by components; before, the stiffness of the largest piece.
+    """
+    quadratic = assembly.layout is not NodeLayout.VERTICES
+    step, coupled = (2, 4) if quadratic else (1, 3)  # nodes of an element and to others, on a line
+    freedoms = 0.0
+    for number, piece in enumerate(assembly.pieces):
+        if piece.elastic is not None and not piece.fixed:
+            edges = element_edges(assembly, number)
+            freedoms = max(freedoms, 3.0 * math.prod(step * (len(e) - 1) + 1 for e in edges))
+    square = float(len(kept)) ** 2
+    return BYTES * max(MATRICES * square, square + ENTRY * 3.0 * coupled**3 * freedoms)
 
 
 class ElasticSolver:

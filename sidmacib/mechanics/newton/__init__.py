@@ -1,1 +1,1 @@
-"""Newton's method on contact nodes, compiled: faces, elimination, equilibria."""
+"""Newton's method on contact nodes, compiled: faces, equilibria, and rounds where it gives up."""

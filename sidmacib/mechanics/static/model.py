@@ -20,8 +20,7 @@ from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.contact_law.softening import Softening
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
     Equilibria,
@@ -31,7 +30,7 @@ from sidmacib.mechanics.solution import (
     Solver,
     StaticSolution,
 )
-from sidmacib.mechanics.static.softening import softened_equilibrium
+from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
 from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
@@ -341,10 +340,6 @@ def _raised(
     raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
 
 
-def _near(load: float, known: float) -> bool:
-    return abs(load - known) <= HISTORY * known
-
-
 def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:
     """Unknowns at ``load``, on a line through the two nearest equilibria."""
     low = path[-1]
@@ -376,5 +371,6 @@ def _redistributed(
 
 def _collapses(other: StaticSolution, load: float, whole: Floats) -> bool:
     """Whether the ``other`` had no equilibrium near ``load`` (N) with the same bonds left."""
-    bonds = other.collapsed
-    return bonds is not None and _near(load, other.peak.load) and np.array_equal(whole, bonds)
+    bonds, peak = other.collapsed, other.peak.load
+    near = abs(load - peak) <= HISTORY * peak
+    return bonds is not None and near and np.array_equal(whole, bonds)

@@ -12,7 +12,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mesh_error import BOUNDS, DIGITS, LoadKind, kind_of, mesh_errors
-from sidmacib.outcome import Failures, MeshErrors
+from sidmacib.problem import Failures, MeshErrors
 
 
 def structure_mesh_errors(assembly: Assembly, found: Mapping[int, Failures]) -> MeshErrors:

@@ -9,7 +9,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags, NodeState
-from sidmacib.outcome import Outcome, State
+from sidmacib.problem import Outcome, State
 from sidmacib.rounding import clean, rounded
 from sidmacib.structure.analysis.forces import interface_forces
 
@@ -54,7 +54,7 @@ class InterfaceRow:
 class BlockRow:
     """A block or a part of one: its weight, centroid (m), displacement (m) and rotation (rad).
 
-    ``motion``: what its motion is, see `sidmacib.outcome.Outcome`; None if there is none.
+    ``motion``: what its motion is, see `sidmacib.problem.Outcome`; None if there is none.
     """
 
     block: str

@@ -20,7 +20,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector, rotated
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import INCREMENT, brittle_path
 from sidmacib.structure.loads import free_weight

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BeforeValidator, StrictBool, model_validator
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.quantities import Number, shown
+from sidmacib.quantities import MEASURED_IN, Number, shown
 from sidmacib.reading import Keys, Text
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import DENSITIES, read_compas
@@ -18,7 +18,6 @@ from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.repair import chosen
 from sidmacib.structure.interfaces import Interface, mean_size
 from sidmacib.structure.warnings import BLOCK
-from sidmacib.units import MEASURED_IN
 from sidmacib.validation import refused
 
 Unit = Literal["m", "cm", "mm", "in", "ft"]

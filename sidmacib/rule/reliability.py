@@ -1,4 +1,7 @@
-"""Characteristic and design resistance of a joint, as EN 1990 has them.
+"""Reliability of a joint: scatter of its first failure, characteristic and design resistance.
+
+Where strengths scatter the weakest lock decides: a joint survives a load if every lock does, so it
+is weaker than one whose locks all have the mean strength. Resistances are those of EN 1990.
 
 The characteristic resistance is the load that 5 % of joints do not reach: the 5 % fractile of the
 first failure (EN 1990, 4.2). The strengths of locks are independent and lognormal (D.7.2); mean and
@@ -10,22 +13,105 @@ The design resistance has the partial factor on the strengths (6.3.5, expression
 resistance (6.6c), whichever gives less, and the margin of the safe rule for the model.
 """
 
+import math
 from dataclasses import dataclass
 
+import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
-from sidmacib.rule.first_failure import JointFailure, first_failure, weakened
-from sidmacib.rule.law import LawCapacity, at_most, capacity_of, require_covered, safe
-from sidmacib.rule.scatter import FIFTH_PERCENTILE, Scatter
-from sidmacib.validation import refused
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.solution import Mode
+from sidmacib.rule.law import (
+    JointFailure,
+    LawCapacity,
+    at_most,
+    capacity_of,
+    first_failure,
+    require_covered,
+    safe,
+    weakened,
+)
+from sidmacib.validation import refused, require_positive
 
+# Largest distance of a quantile from the load at mean strength, in its logarithm: in standard
+# deviations, and a constant.
+WIDEST, LEAST_WIDTH = 20.0, 0.01
+FIFTH_PERCENTILE = 0.05  # characteristic strength in codes
 MOST_VARIED, LARGEST_FACTOR = 1.0, 10.0
 ROUNDING = 1e-6  # of a margin
 NEAR = 0.01  # to 5 %: the share of joints that have failed at the load that is found
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Loads at first failure of a joint whose locks' strengths scatter.
+
+    ``load``: for locks of mean strength, N. ``utilisation``: of each root at this load, shape (n,).
+    ``variation``: of the strengths, standard deviation over mean.
+    """
+
+    load: float
+    utilisation: Floats
+    variation: float
+
+    def survival(self, load: float) -> float:
+        """Probability that no root has failed at ``load`` (N)."""
+        if load <= 0.0:
+            return 1.0
+        loaded = self.utilisation[self.utilisation > 0.0]
+        needed, deviation = loaded * load / self.load, self._deviation
+        standard = (np.log(needed) + deviation**2 / 2.0) / deviation  # normal variable
+        return float(np.exp(norm.logsf(standard).sum()))
+
+    def quantile(self, share: float = FIFTH_PERCENTILE) -> float:
+        """The load (N) that a ``share`` of joints does not reach.
+
+        ValueError unless the share is between 0 and 1.
+        """
+        if not 0.0 < share < 1.0:
+            raise refused("share", share, "more than 0 and less than 1")
+        deviation = self._deviation
+
+        def beyond(logarithm: float) -> float:
+            return self.survival(self.load * math.exp(logarithm)) - (1.0 - share)
+
+        wide = WIDEST * deviation + LEAST_WIDTH
+        return float(self.load * math.exp(brentq(beyond, -wide, wide, xtol=1e-10)))
+
+    @staticmethod
+    def strength(variation: float, standard: float) -> float:
+        """A strength over its mean, of a ``standard`` normal variable."""
+        deviation = math.sqrt(math.log1p(variation**2))
+        return math.exp(deviation * standard - deviation**2 / 2.0)
+
+    @property
+    def _deviation(self) -> float:
+        """Standard deviation of the logarithm of a strength."""
+        return math.sqrt(math.log1p(self.variation**2))
+
+
+def scatter(
+    joint: Joint, direction: Direction, variation: float, push: Push = Push.PLUS_Y
+) -> Scatter:
+    """Scatter of the first failure of ``joint`` for strengths of this coefficient of variation.
+
+    The strengths of cuts between columns do not scatter. ValueError unless the variation is above
+    0; `CapacityError` if the joint slides or rocks before a bond fails, which strengths do not
+    decide; errors of `sidmacib.law`.
+    """
+    require_positive(variation=variation)
+    require_covered(joint)
+    state = first_failure(joint, Loading(direction, push=push))
+    if state.mode is not Mode.BONDS:
+        raise CapacityError(
+            f"scatter: {joint.locks} locks move away ({state.mode}) at {state.load:.4g} N, before "
+            "a bond fails; their strengths do not decide"
+        )
+    return Scatter(state.load, state.utilisation, variation)
 
 
 @dataclass(frozen=True)
@@ -77,7 +163,9 @@ def characteristic(
         return first_failure(weakened(joint, margin), Loading(direction, push=push))
 
     def beyond(margin: float) -> float:
-        return _survival(at(margin), margin, variation) - (1.0 - FIFTH_PERCENTILE)
+        state = at(margin)
+        scattered = Scatter(state.load, state.utilisation / margin, variation)
+        return scattered.survival(state.load) - (1.0 - FIFTH_PERCENTILE)
 
     def held(margin: float) -> float:
         """The same; more where so weak a joint fails before it is loaded."""
@@ -88,7 +176,9 @@ def characteristic(
 
     margin = 1.0
     if beyond(margin) < 0.0:
-        most = _largest_margin(joint.locks, variation)
+        # Suffices even where all locks are loaded to their strength.
+        share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / joint.locks)
+        most = 1.01 / Scatter.strength(variation, float(norm.ppf(share)))
         margin = float(brentq(held, 1.0, most, xtol=ROUNDING, rtol=ROUNDING))
         if abs(held(margin)) > NEAR:
             raise CapacityError(
@@ -124,14 +214,3 @@ def at_most_resists(
 ) -> float:
     """An upper bound of the design resistance (N), in less time; errors of `sidmacib.law`."""
     return at_most(joint, direction, push) / reliability.partial_factor
-
-
-def _survival(state: JointFailure, margin: float, variation: float) -> float:
-    """Part of joints without a failed lock at ``state``, that of mean strengths over ``margin``."""
-    return Scatter(state.load, state.utilisation / margin, variation).survival(state.load)
-
-
-def _largest_margin(locks: int, variation: float) -> float:
-    """The margin that suffices even where all ``locks`` are loaded to their strength."""
-    share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / locks)
-    return 1.01 / Scatter.strength(variation, float(norm.ppf(share)))

@@ -18,9 +18,9 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law.kernels import friction_limits, rubbing, with_given_friction
-from sidmacib.mechanics.newton.elimination import Matrix
 from sidmacib.mechanics.newton.equilibrium import (
     QUICK,
+    Matrix,
     allowed_at,
     least_energy,
     newton,
@@ -59,10 +59,6 @@ class EquilibriumSearch:
         """Friction limit (N) of each node by its normal force ``here``, (N,)."""
         return friction_limits(self.contacts.law, self.whole, self.here.force[0])
 
-    def never_reached(self) -> Floats:
-        """Limits (N) that friction never reaches; 0 at nodes without friction, (N,)."""
-        return np.where(rubbing(self.contacts.law, self.whole), math.inf, 0.0)
-
     def equilibrium_from(self, unknowns: Floats) -> bool:
         """Move ``here`` to equilibrium by Newton's method from ``unknowns``; whether it did."""
         allowed = allowed_at(unknowns, self.stiffness, self.allowed)
@@ -90,7 +86,8 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
     equilibrium nearby; if they fail, other rounds start with limits that are never reached.
     """
     here = problem.here
-    if not problem.with_given_limits(guess, problem.never_reached()):
+    never_reached = np.where(rubbing(problem.contacts.law, problem.whole), math.inf, 0.0)
+    if not problem.with_given_limits(guess, never_reached):
         return False
     stuck, from_stuck = here.unknowns.copy(), problem.limits
     put_at(problem.contacts, problem.slip, problem.whole, problem.target, here, guess)

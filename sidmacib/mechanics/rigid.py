@@ -2,26 +2,31 @@
 
 The contact law gives a node's force from the relative displacement of its two pieces, so the size
 of the matrices in Newton's method depends on the number of pieces only, not on the mesh.
+
+Unknowns are ordered so that coupled ones are close together. Pieces that touch few others give the
+stiffness a narrow band. A piece that touches very many, such as a monolithic body above all locks,
+would make the band as wide as the matrix; it goes into a border behind the band.
 """
 
 import math
 from copy import copy
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from sidmacib.errors import CapacityError, NoEquilibriumError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
 from sidmacib.mechanics.contact_law import NodeState, components
 from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.newton.elimination import Matrix
-from sidmacib.mechanics.newton.equilibrium import elastic, equilibrium
+from sidmacib.mechanics.newton.equilibrium import Matrix, elastic, equilibrium
 from sidmacib.mechanics.newton.faces import ContactFaces, new_point, whole_faces
-from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
-from sidmacib.mechanics.rigid.ordering import Ordering, ordering
+from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
-from sidmacib.mechanics.springs import Springs, soft_springs
+from sidmacib.mechanics.springs import RIGID, Springs, soft_springs
 
+Graph = dict[int, set[int]]  # pieces and those that they touch
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
 # Of a face's stiffness, see `sidmacib.mechanics.newton.faces.tangent_stiffness`; and of the
 # stiffest face, at least: less is lost in rounding.
@@ -32,13 +37,92 @@ DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than 
 STIFF, MOST_STIFF = 1e4, 1e8
 
 
+@dataclass(frozen=True)
+class Ordering:
+    """An order of the free pieces, see `sidmacib.mechanics.newton.faces.ContactFaces`.
+
+    ``begin``: first unknown of each piece, (P,). ``inner``, ``outer``: numbers of unknowns in the
+    band and behind it. ``band``: largest distance between coupled inner unknowns.
+    """
+
+    begin: Integers
+    inner: int
+    outer: int
+    band: int
+
+    @property
+    def work(self) -> int:
+        """Approximate number of multiplications in one elimination."""
+        return self.inner * (self.band + self.outer) ** 2 + self.outer**3
+
+
+def ordering(springs: Springs) -> Ordering:
+    """The order with the least work: pieces go into the border as long as that saves any."""
+    pairs = tuple(map(tuple, springs.piece.tolist()))
+    return _least_work(len(springs.unknowns) - 1, pairs)
+
+
+@lru_cache(maxsize=32)  # joints with as many locks differ in sizes only
+def _least_work(pieces: int, pairs: tuple[tuple[int, ...], ...]) -> Ordering:
+    """`ordering` of that many free ``pieces``; ``pairs``: those that touch, -1 for fixed ones."""
+    graph: Graph = {piece: set() for piece in range(pieces)}  # and the free ones that they touch
+    for below, above in pairs:
+        if below >= 0 and above >= 0:
+            graph[below].add(above)
+            graph[above].add(below)
+    by_contacts = sorted(graph, key=lambda piece: -len(graph[piece]))
+    best = _bordered(graph, [])
+    for count in range(1, len(by_contacts)):
+        other = _bordered(graph, by_contacts[:count])
+        if other.work >= best.work:
+            break
+        best = other
+    return best
+
+
+def _bordered(graph: Graph, border: list[int]) -> Ordering:
+    inside = {piece: graph[piece].difference(border) for piece in graph if piece not in border}
+    order = [*_cuthill_mckee(inside), *border]
+    begin = np.empty(len(order), dtype=np.int64)
+    begin[order] = RIGID * np.arange(len(order))
+    first = begin.tolist()
+    apart = [first[one] - first[other] for one in inside for other in inside[one]]
+    band = max(apart, default=0) + RIGID - 1
+    return Ordering(begin, RIGID * len(inside), RIGID * len(border), band)
+
+
+def _cuthill_mckee(graph: Graph) -> list[int]:
+    """Pieces in the order of Cuthill and McKee (1969), from an end of each connected part.
+
+    `scipy.sparse.csgraph.reverse_cuthill_mckee` breaks ties in another way, as for three locks
+    below one body, which changes the order of elimination and so the last digits of results.
+    """
+    order: list[int] = []
+    seen: set[int] = set()
+    for piece in sorted(graph, key=lambda piece: len(graph[piece])):
+        if piece not in seen:
+            part = _breadth_first(graph, _breadth_first(graph, piece)[-1])
+            order += part
+            seen.update(part)
+    return order
+
+
+def _breadth_first(graph: Graph, start: int) -> list[int]:
+    """The pieces connected to ``start``, nearest first, among equals those with few neighbours."""
+    order, seen = [start], {start}
+    for piece in order:  # which grows meanwhile
+        new = sorted(graph[piece] - seen, key=lambda other: (len(graph[other]), other))
+        order += new
+        seen.update(new)
+    return order
+
+
 class RigidSolver:
     """Newton's method on ``assembly`` under ``loads``.
 
     Callers see the displacements of the free pieces, in m and rad. Internally, displacements and
-    forces have the units of `sidmacib.mechanics.springs` and the order of
-    `sidmacib.mechanics.rigid.ordering`. `CapacityError` if faces differ in stiffness by more than
-    `MOST_STIFF`.
+    forces have the units of `sidmacib.mechanics.springs` and the order of `ordering`.
+    `CapacityError` if faces differ in stiffness by more than `MOST_STIFF`.
     """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
@@ -46,7 +130,9 @@ class RigidSolver:
         order, rows = ordering(springs), free_rows(assembly)
         self.contact_law = springs.contact_law
         self.here = new_point(order.inner + order.outer, springs.start)
-        ratio = _stiffness_ratio(assembly)
+        laws = {face.material for face in assembly.faces}
+        both = [k for law in laws for k in (law.normal_stiffness, law.shear_stiffness)]
+        ratio = max(both) / min(both)
         if ratio > MOST_STIFF * (1.0 + 1e-9):  # rounding of their quotient
             raise CapacityError(
                 f"the stiffest face is {ratio:.3g} times as stiff as the softest; with more than "
@@ -55,7 +141,11 @@ class RigidSolver:
         self.contacts, self.soft = (
             _contacts(each, order, ratio > STIFF) for each in (springs, soft)
         )
-        self.matrix = _matrix(order)
+        self.matrix = Matrix(
+            np.empty((order.inner, 3 * order.band + 1)),
+            np.empty((order.inner, order.outer)),
+            np.empty((order.outer, order.inner + order.outer)),
+        )
         for each in (self.contacts, self.soft):
             whole_faces(each, self.here)
         size = np.diff(springs.unknowns)
@@ -156,13 +246,6 @@ def _stiffest(springs: Springs) -> float:
     return float(per_face.max())
 
 
-def _stiffness_ratio(assembly: Assembly) -> float:
-    """The largest stiffness of a face (Pa/m) over the smallest."""
-    laws = {face.material for face in assembly.faces}
-    both = [k for law in laws for k in (law.normal_stiffness, law.shear_stiffness)]
-    return max(both) / min(both)
-
-
 def _contacts(springs: Springs, order: Ordering, stiff: bool) -> ContactFaces:
     return ContactFaces(
         springs.contact_law.rows(),
@@ -176,13 +259,4 @@ def _contacts(springs: Springs, order: Ordering, stiff: bool) -> ContactFaces:
         order.inner,
         order.outer,
         order.band,
-    )
-
-
-def _matrix(order: Ordering) -> Matrix:
-    inner, outer = order.inner, order.outer
-    return Matrix(
-        np.empty((inner, 3 * order.band + 1)),
-        np.empty((inner, outer)),
-        np.empty((outer, inner + outer)),
     )

@@ -1,1 +1,0 @@
-"""Equilibrium of rigid pieces, in terms of their displacements."""
