@@ -24,10 +24,12 @@ from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.solution import Mode
 from sidmacib.rule.law import (
+    PATH,
     SPANS,
     JointFailure,
     LawCapacity,
     first_failure,
+    law,
     margin_of,
     safe,
     spans_of,
@@ -278,7 +280,14 @@ def _safe_rule(case: Case, weak: Joint) -> Iterable[str]:
             (number(min(loads)), number(max(loads))),
         )
     )
-    yield equation(symbol, terms, numbers, number(safe_load, "N"))
+    difference = 2.0 * min(loads) - max(loads)
+    yield equation(symbol, terms, numbers, number(difference, "N"))
+    if safe_load < difference:
+        whole = law(weak, case.direction, case.push).load
+        yield (
+            f"<p>Strengths hardly matter here: at most the first failure without this margin, "
+            f"{whole:.4g} N, divided by {PATH:g}.</p>"
+        )
     yield f"<p>This is {case.both(safe_load)}.</p>"
 
 

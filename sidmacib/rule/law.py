@@ -5,9 +5,10 @@ friction, on the coarsest nodes that represent all stresses of a rigid lock: Lob
 integrate linear stresses exactly. Up to this load it makes no difference how bonds fail.
 
 ``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is that of a
-joint whose strengths are divided by `SAFETY`, less the change on a finer mesh. Both refuse joints
-outside `SPANS`, the tested ranges of the dimensionless groups that the answer depends on. `make
-attack` searches inside them for the joint with the highest safe load relative to its first failure.
+joint whose strengths are divided by `SAFETY`, less the change on a finer mesh, and at most that of
+``law`` divided by `PATH`. Both refuse joints outside `SPANS`, the tested ranges of the groups
+that the answer depends on. `make attack` searches inside them for the joint with the highest
+safe load relative to its first failure.
 """
 
 import math
@@ -36,6 +37,8 @@ COARSE, FINE = 2, 4
 FINEST = 6  # for dry faces so stiff that four cells may not be enough
 ELASTIC, FINE_ELASTIC = 1, 2
 SAFETY, SAFETY_ELASTIC = 1.06, 1.12  # on strengths, and on a load at which a joint slides or rocks
+PATH = 1.01  # on a load that strengths hardly matter to: by 0.3 % it depends on the increments
+NOTHING = 1e-6  # over the strength of a lock: a load that is none
 STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 SPANS = {
@@ -101,7 +104,7 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
     else:
         solver = solver_of(assembly, loads)
     failure = first_failure_of(solver, loads.scale)
-    if not failure.point.load > 0.0:
+    if not failure.point.load > NOTHING * loads.scale:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
     return _state(joint, assembly, solver.contact_law, failure)
 
@@ -207,17 +210,20 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
     stiff as roots. The difference between the highest and the lowest is subtracted from the lowest.
+    Where friction or weight decides, a loss of strength changes little: so it is at most the load
+    of `law` divided by `PATH`.
 
     Errors of `law`. `CapacityError` too if the meshes differ too much.
     """
     loads, modes = weak_failures(joint, direction, push)
+    most = law(joint, direction, push).load / PATH
     least = min(loads) - (max(loads) - min(loads))
     if least <= 0.0:
         raise CapacityError(
             f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
             f"{max(loads):.4g} N; use the static model"
         )
-    return capacity_of(joint, direction, least, modes[loads.index(min(loads))])
+    return capacity_of(joint, direction, min(least, most), modes[loads.index(min(loads))])
 
 
 def weak_failures(
