@@ -186,13 +186,14 @@ def test_a_placement_finds_displacement_rotation_and_points(
 ) -> None:
     start, reach = np.array([0.1, 0.2, 0.3]), 0.05
     arms = np.array([s * reach * np.eye(3)[k] for k in range(3) for s in (1, -1)])
-    places = start + arms + np.array(shift) + np.cross(np.array(turn), arms)
+    turned = Rotation.from_rotvec(turn)
+    places = start + np.array(shift) + turned.apply(arms)
     placement = Placement(start.tolist(), reach, places.ravel().tolist())
     motion = placement.motion()
     assert motion.displacement == pytest.approx(shift, abs=1e-12)
     assert motion.rotation == pytest.approx(turn, abs=1e-12)
     point = start + np.array([0.01, -0.02, 0.03])
-    moved = point + np.array(shift) + np.cross(np.array(turn), point - start)
+    moved = start + np.array(shift) + turned.apply(point - start)
     assert placement.place(point.tolist()) == pytest.approx(moved.tolist(), abs=1e-12)
 
 

@@ -32,6 +32,8 @@ def search(tolerance: float = 1e-3, guide: Guide | None = None) -> GivenSearch:
 class Breaking:
     """Bonds that break by themselves, each at its load; after ``needed`` of them it collapses."""
 
+    met = None  # no other piece
+
     def __init__(
         self,
         strengths: Sequence[float],
@@ -148,6 +150,8 @@ def test_what_does_not_stand_alone_or_carries_nothing_or_anything_has_no_peak() 
 # --- from failure to failure ---------------------------------------------------------------------
 class Cut:
     """Bonds that share a load by stiffness: equal shares of it, over strengths (N)."""
+
+    met = None
 
     def __init__(self, strengths: Sequence[float]) -> None:
         self.strengths = strengths
