@@ -161,7 +161,7 @@ def test_the_study_of_the_law_is_planned_in_batches(tmp_path: Path) -> None:
     made = outputs_of(read_yaml(config), tmp_path)
     for rule in ("sampling", "law"):
         assert len(made[rule]) == 8 + 3  # of 64 joints at most
-    assert "tables/law.csv" in made["errors"]
+    assert "tables/law.csv" in made["law_tables"]
 
 
 @pytest.mark.study
@@ -171,7 +171,7 @@ def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Pa
     made = outputs_of(config, tmp_path)
     assert made["sampling"] == ["sampling/one-0000.parquet", "sampling/one-0001.parquet"]
     assert made["samplings"] == ["tables/samplings.csv"]
-    assert not {"errors", "points", "law", "measured"} & made.keys()
+    assert not {"law_tables", "points", "law"} & made.keys()
 
 
 def test_a_campaign_that_there_is_not_is_refused() -> None:

@@ -37,8 +37,7 @@ SOLVED = {**SMALL, "dem": {"engines": []}, "variants": {}, "eccentricities": [0,
 OF_CASES = ("engine", "solve", "returned")  # rules
 CASES = {"n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion", "n3-mesh0.03-e0a-soft"}
 TABLES = {
-    *("collect", "capacity", "fit", "variants", "validation"),
-    *("figures", "summary", "report", "complete"),
+    *("collect", "capacity", "comparisons", "figures", "summary", "report", "complete"),
 }
 
 
@@ -168,7 +167,7 @@ def test_results_that_are_deleted_are_made_again(solved: Workspace) -> None:
     before = {name: (solved.results / name).read_bytes() for name in paths}
     for name in paths:
         (solved.results / name).unlink()
-    assert solved.planned() >= {"batch", "fit", "figures"}
+    assert solved.planned() >= {"batch", "comparisons", "figures"}
     assert solved.snakemake().returncode == 0
     assert {name: (solved.results / name).read_bytes() for name in paths} == before
     assert solved.planned() == set()
@@ -180,7 +179,7 @@ def test_snakemakes_own_report_has_figures_and_tables_with_captions(solved: Work
     text = (solved.folder / "own.html").read_text()
     for words in ("Figures", "Tables", "side_by_side.png", "capacity.csv", "what is assumed"):
         assert words in text
-    for words in ("Click a rule of the graph", '"rule": "validation"', "Solve a batch of cases"):
+    for words in ("Click a rule of the graph", '"rule": "comparisons"', "Solve a batch of cases"):
         assert words in text, words
 
 
