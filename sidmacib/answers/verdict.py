@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from sidmacib.answers.structure import StaticAnswer, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.crushing import crushed_faces
+from sidmacib.rounding import four_digits
 
 if TYPE_CHECKING:  # limit analysis loads solvers of programmes
     from sidmacib.mechanics.limit import LimitState
@@ -83,8 +84,7 @@ def _by_static(newtons: float, static: StaticAnswer, most: float | None) -> Verd
 
 
 def _carries(newtons: float, *, passes: bool) -> str:
-    size = f"{newtons:.0f}" if newtons >= 1e4 else f"{newtons:.4g}"
-    return f"it {'carries' if passes else 'does not carry'} {size} N"
+    return f"it {'carries' if passes else 'does not carry'} {four_digits(newtons)} N"
 
 
 def governing(verdicts: Sequence[Verdict]) -> int:

@@ -9,7 +9,7 @@ import click
 
 from sidmacib.command.answers import Row
 from sidmacib.command.output import say, text_of
-from sidmacib.command.structures import interface_rows, limit_of, static_of, structure_notes
+from sidmacib.command.structures import force_rows, limit_of, static_of, structure_notes
 from sidmacib.command.verdicts import (
     case_rows,
     chosen_case,
@@ -18,6 +18,7 @@ from sidmacib.command.verdicts import (
     reserve_rows,
     without_loads,
 )
+from sidmacib.errors import CapacityError
 from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import SupportMotion
 
@@ -103,20 +104,24 @@ def _of_load(
     rows: list[Row] = []
     asked = wanted.draws or not wanted.interfaces
     limit = limit_of(problem) if asked or wanted.compas is not None else None
-    static = static_of(problem) if asked else None
-    if static is not None:
+    static = static_of(problem)
+    if asked:
         rows, found = demanded_rows(demand, limit, static)
         if found is not None:
             passes, words = found.passes, str(found)
     if words:
         say(words, wanted.form)
-    shown = interface_rows(problem) if wanted.interfaces else rows
+    shown = rows
+    if wanted.interfaces:
+        if isinstance(static, CapacityError):
+            raise static
+        shown = force_rows(static)
     click.echo(text_of(shown, wanted.form))
     if wanted.compas is not None:
         from sidmacib.structure.files.compas_results import write_compas_results
 
         write_compas_results(problem, file, wanted.compas, limit)
-    if wanted.draws and static is not None:
+    if wanted.draws:
         from sidmacib.command.structure_views import Views
 
         views = Views.of(file, description, problem, limit, static, notes, words)

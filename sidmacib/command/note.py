@@ -28,6 +28,7 @@ from sidmacib.rule.law import (
     SPANS,
     JointFailure,
     LawCapacity,
+    below_meshes,
     first_failure,
     law,
     margin_of,
@@ -280,7 +281,7 @@ def _safe_rule(case: Case, weak: Joint) -> Iterable[str]:
             (number(min(loads)), number(max(loads))),
         )
     )
-    difference = 2.0 * min(loads) - max(loads)
+    difference = below_meshes(loads)
     yield equation(symbol, terms, numbers, number(difference, "N"))
     if safe_load < difference:
         whole = law(weak, case.direction, case.push).load

@@ -89,12 +89,8 @@ def structure_rows(
     return [*_limits(problem, limit), _static(problem, static)]
 
 
-def interface_rows(problem: Problem) -> list[Row]:
-    """Forces of each interface at the load that counts in the static model.
-
-    `CapacityError` if the model has no answer.
-    """
-    answer = static_answer(problem)
+def force_rows(answer: StaticAnswer) -> list[Row]:
+    """Forces of each interface at the load that counts in the static model."""
     state = answer.state
     return [
         {

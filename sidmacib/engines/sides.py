@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import MultiPoint, get_coordinates
 
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Floats, Piece
+from sidmacib.mechanics.polygons import hull_sides
 
 PARALLEL = 1e-12  # one less the cosine of the angle between what is parallel
 AT = 1e-3  # over the assembly's length: interfaces may lie as far from the blocks' faces
@@ -49,12 +49,8 @@ def _edges(corners: Floats, face: Face, near: float) -> list[list[float]]:
     found = corners[np.abs((corners - face.middle) @ face.axes[0]) <= near]
     if len(found) < 3 or np.linalg.matrix_rank(found[1:] - found[0], tol=near) < 2:
         found = face.corners
-    hull = MultiPoint((found - face.middle) @ face.axes[1:].T).convex_hull
-    outline = get_coordinates(hull)  # clockwise
-    along = np.diff(outline, axis=0)
-    outward = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    outward, reach = hull_sides((found - face.middle) @ face.axes[1:].T)
     across = outward @ face.axes[1:]
-    reach = (outward * outline[:-1]).sum(axis=1)
     return np.column_stack([across, across @ face.middle + reach]).tolist()
 
 

@@ -185,3 +185,15 @@ def _merged(points: Floats, areas: Floats, size: float) -> tuple[Floats, Floats]
         np.round(points / (CLOSE * size)), axis=0, return_index=True, return_inverse=True
     )
     return points[first], np.asarray(np.bincount(same.ravel(), areas), float)
+
+
+def hull_sides(points: Floats) -> tuple[Floats, Floats]:
+    """The sides of the convex hull of ``points``, (K, 2) in m.
+
+    Their unit normals, outwards, (M, 2), and their distances from the origin along these (m), (M,).
+    """
+    hull = shapely.orient_polygons(shapely.MultiPoint(points).convex_hull)
+    outline = shapely.get_coordinates(hull.exterior)
+    along = np.diff(outline, axis=0)
+    outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    return outward, (outward * outline[:-1]).sum(axis=1)

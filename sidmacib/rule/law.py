@@ -12,6 +12,7 @@ safe load relative to its first failure.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -217,13 +218,18 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
     """
     loads, modes = weak_failures(joint, direction, push)
     most = law(joint, direction, push).load / PATH
-    least = min(loads) - (max(loads) - min(loads))
+    least = below_meshes(loads)
     if least <= 0.0:
         raise CapacityError(
             f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
             f"{max(loads):.4g} N; use the static model"
         )
     return capacity_of(joint, direction, min(least, most), modes[loads.index(min(loads))])
+
+
+def below_meshes(loads: Sequence[float]) -> float:
+    """The lowest of the ``loads`` (N) on some meshes, less what they differ by."""
+    return min(loads) - (max(loads) - min(loads))
 
 
 def weak_failures(

@@ -13,7 +13,7 @@ from .records import (
     NoAnswerError,
     NodeForce,
     failure_mode,
-    require_contacts,
+    require_standing,
 )
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -103,9 +103,7 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     outcome = model.raised(0.0, 0.0, (0.0, 1.0))
-    require_contacts(outcome, 0.0, model.met)
-    if outcome is not EngineOutcome.EQUILIBRIUM:
-        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
+    require_standing(outcome, model.met)
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_event_N if guide else 0.0
     bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)

@@ -14,6 +14,7 @@ from .records import (
     NodeForce,
     failure_mode,
     require_contacts,
+    require_standing,
 )
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -92,9 +93,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
     the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
     outcome = model.raised(0.0)
-    require_contacts(outcome, 0.0, model.met)
-    if outcome is not EngineOutcome.EQUILIBRIUM:
-        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
+    require_standing(outcome, model.met)
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
     increment = HALF * expected or first

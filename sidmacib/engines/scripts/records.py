@@ -145,6 +145,13 @@ def require_contacts(outcome: EngineOutcome | None, load: float, met: str | None
         raise NoAnswerError(f"no peak: at {load:g} N {met}, and contacts there are not modelled")
 
 
+def require_standing(outcome: EngineOutcome, met: str | None) -> None:
+    """Exit with the reason if the assembly does not stand without the load."""
+    require_contacts(outcome, 0.0, met)
+    if outcome is not EngineOutcome.EQUILIBRIUM:
+        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
+
+
 def failure_mode(outcome: EngineOutcome, breaks: bool, load: float, met: str | None) -> str:
     """Mode of failure of the assembly at ``load`` (N); exits with a reason if it did not fail."""
     require_contacts(outcome, load, met)

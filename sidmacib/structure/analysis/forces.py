@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Vector
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.polygons import hull_sides
 
 ROUNDING = 1e-9  # of the largest node force: nodes below carry nothing
 LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhere
@@ -83,10 +83,8 @@ def _eccentricity(face: Face, at: Floats) -> float:
     """Distance of the point ``at`` (m) from the middle of a face, over that of the edge beyond."""
     middle = np.array(face.middle)
     flat = (face.corners - middle) @ face.axes[1:].T
-    x, y = shapely.get_coordinates(shapely.MultiPoint(flat).convex_hull.exterior).T
-    along = np.column_stack([np.diff(y), -np.diff(x)])  # normals of the edges, not of unit length
-    reach = along[:, 0] * x[:-1] + along[:, 1] * y[:-1]
-    return float((along @ (face.axes[1:] @ (at - middle)) / reach).max())
+    outward, reach = hull_sides(flat)
+    return float((outward @ (face.axes[1:] @ (at - middle)) / reach).max())
 
 
 def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: float) -> float:
