@@ -40,7 +40,7 @@ nitpicky = False
 suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
-    "gallery_dirs": "gallery/made",
+    "gallery_dirs": "examples",
     "filename_pattern": r"\.py$",  # all of them run
     "abort_on_example_error": True,
     "within_subsection_order": "ExampleTitleSortKey",

@@ -3,10 +3,11 @@
 import json
 import re
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
-from chromium import chromium, needs_browser
+from chromium import needs_browser
 from click.testing import CliRunner
 
 import sidmacib
@@ -114,12 +115,12 @@ def test_the_note_is_well_formed_needs_no_other_file_and_is_the_same_each_time(
 
 
 @needs_browser
-def test_the_note_prints_on_two_pages_and_fits_a_telephone(tmp_path: Path) -> None:
+def test_the_note_prints_on_two_pages_and_fits_a_telephone(tmp_path: Path, browser: Any) -> None:
     path = tmp_path / "note.html"
     note_in(path, "capacity", *GIVEN, "-m", "law", "--scatter", "0.2", "--gamma-m", "1.5")
-    with chromium() as browser:
-        page = browser.new_page(viewport={"width": 390, "height": 800})
-        page.goto(path.as_uri())
-        assert page.evaluate("document.documentElement.scrollWidth") == 390
-        printed = page.pdf(prefer_css_page_size=True)
+    page = browser.new_page(viewport={"width": 390, "height": 800})
+    page.goto(path.as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    printed = page.pdf(prefer_css_page_size=True)
+    page.close()
     assert len(re.findall(rb"/Type\s*/Page\b(?!s)", printed)) <= 2

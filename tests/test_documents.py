@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import CHROMIUM, Opened, chromium
+from chromium import CHROMIUM, Opened
 from click.testing import CliRunner
 from conftest import ROOT
 from promises import require_kept
@@ -25,7 +25,7 @@ from workflow.schema import Study
 from workflow.schema.joint import AssemblySection
 
 DOCS = ROOT / "docs"
-GALLERY = DOCS / "gallery" / "made"
+GALLERY = DOCS / "examples"
 MADE = {  # by the site, from the code
     *(DOCS / name for name in ("configuration.md", "structure_file.md", "columns.md")),
     GALLERY / "index.rst",
@@ -78,6 +78,19 @@ def test_python_examples_print_what_their_comments_promise(page: Path) -> None:
         require_kept(code, names)
 
 
+@pytest.mark.parametrize("page", ["README.md", "docs/faq.md"])
+def test_by_how_much_half_the_locks_are_unsafe_is_what_the_table_has(page: str) -> None:
+    table = (ROOT / "docs/validation.md").read_text().partition("numbers: options -->")[2]
+    rows = [line.split("|") for line in table.partition("<!-- end")[0].splitlines()]
+    unsafe = {
+        row[1].partition(":")[0].strip(): row[6].strip()
+        for row in rows
+        if len(row) > 6 and row[2].strip() == "0.005" and row[3].strip() == "(n − 1) / 2"  # noqa: RUF001
+    }
+    text = (ROOT / page).read_text()
+    assert unsafe["n5"] in text and unsafe["n5_fits"] in text
+
+
 def test_the_readme_is_short_and_has_examples_of_every_kind() -> None:
     readme, contributing, *_ = PAGES
     for page, most in ((readme, 750), (contributing, 900)):
@@ -124,7 +137,9 @@ def test_the_command_prints_what_pages_show() -> None:
 
 
 @pytest.mark.study
-def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
+def test_the_site_is_built_without_a_warning(
+    tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
     done = subprocess.run(
         [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
@@ -137,24 +152,23 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     for name, command in main.commands.items():
         for option in command.params:
             assert f'id="cmdoption-multilock-{name}-' in options and option.opts[0] in options
-    picture = (tmp_path / "gallery" / "made" / "arch.html").read_text()
+    picture = (tmp_path / "examples" / "arch.html").read_text()
     assert "sphx_glr_arch_001.png" in picture and "of the weight" in picture
     if CHROMIUM is None:
         return
-    with chromium() as browser:
-        for name in ("index", "models", "options", "validation", "gallery/made/index"):
-            opened = Opened(browser.new_page())
-            opened.page.goto((tmp_path / f"{name}.html").as_uri())
-            violations = Axe().run(opened.page).response["violations"]
-            assert not violations, (name, [each["id"] for each in violations])
-            assert not [url for url in opened.requests if not url.startswith(("file:", "data:"))]
-        found = Opened(browser.new_page())
-        found.page.goto(f"{(tmp_path / 'search.html').as_uri()}?q=hinge")
-        found.page.wait_for_selector("#search-results li")
-        assert "Tutorial: your first structure" in (
-            found.page.text_content("#search-results") or ""
-        )
-        assert found.errors == []
+    browser = request.getfixturevalue("browser")  # one for all tests
+    for name in ("index", "models", "options", "validation", "examples/index"):
+        opened = Opened(browser.new_page())
+        opened.page.goto((tmp_path / f"{name}.html").as_uri())
+        violations = Axe().run(opened.page).response["violations"]
+        assert not violations, (name, [each["id"] for each in violations])
+        assert not [url for url in opened.requests if not url.startswith(("file:", "data:"))]
+        opened.page.close()
+    found = Opened(browser.new_page())
+    found.page.goto(f"{(tmp_path / 'search.html').as_uri()}?q=hinge")
+    found.page.wait_for_selector("#search-results li:has-text('your first structure')")
+    assert "Tutorial: your first structure" in (found.page.text_content("#search-results") or "")
+    assert found.errors == []
 
 
 def test_the_page_of_keys_has_every_key() -> None:
