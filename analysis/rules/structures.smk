@@ -52,8 +52,8 @@ rule supports:
         below("logs/supports.log"),
     params:
         cases=lambda wildcards: [
-            [each.structure, each.load, each.description, variant]
-            for each, variant in MOVING_SUPPORTS
+            [each.structure, each.load, each.description, variant, yade]
+            for each, variant, yade in MOVING_SUPPORTS
         ],
         code=code("analysis.tables.supports", StructureSubject.modules),
     message:

@@ -48,7 +48,7 @@ def engine_support_path(
     return _run(problem, numerics, folder, time_limit)
 
 
-def support_answer(problem: Problem) -> SupportAnswer:
+def yade_answer(problem: Problem) -> SupportAnswer:
     """Where the structure falls in YADE, and the reaction before that; or why there is none."""
     try:
         with TemporaryDirectory() as folder:

@@ -267,8 +267,8 @@ class GivenSearch:
     collapse_m: float
     first_increment_N: float
     tolerance: float
-    last_N: float
-    no_peak: str
+    last_N: float = math.inf
+    no_peak: str = "the load grows without a peak"
     guide: Guide | None = None
     unit: str = "N"
 
