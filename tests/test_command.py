@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from command_runner import answers, run
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from analysis.drawing.sketch import PICTURE, seen, sketch
+from analysis.drawing import PICTURE, seen, sketch
 from sidmacib.joint.joint import Joint
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.drawing.boxes import boxes
-from analysis.drawing.labels import label_of
+from analysis.drawing import boxes, label_of
 from analysis.explore.state import SLIDERS, Settings
 from sidmacib.answers.joint import joint_answer, meshes, quick_path
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS

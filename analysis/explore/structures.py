@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
 from analysis.report.json_values import json_value
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.drawing.labels import PUBLISHED, label_of, option_colour, option_name, rule_name
+from analysis.drawing import PUBLISHED, label_of, option_colour, option_name, rule_name
 from analysis.figures import style
 from analysis.figures.catalogue import REVISED, shown_samples
 from analysis.figures.material import FigureData

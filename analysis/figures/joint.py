@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
-from analysis.drawing.boxes import MM, boxes
-from analysis.drawing.labels import label_of
+from analysis.drawing import MM, boxes, label_of
 from analysis.figures import style
 from analysis.figures.material import FigureData, Stresses
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.figures import style
 from analysis.figures.catalogue import shown_samples
 from analysis.figures.curves import model_curve, published_point, rule_curve

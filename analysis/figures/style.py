@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from analysis.drawing.labels import SERIES, label_of
+from analysis.drawing import SERIES, label_of
 from sidmacib.models import MODELS, SOLVED
 
 ASSUMED_POINTS = "Assumed: the positions of the contact points."

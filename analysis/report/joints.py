@@ -11,8 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.drawing.labels import label_of, option_colour, option_name, rule_name
-from analysis.drawing.sketch import sketch
+from analysis.drawing import label_of, option_colour, option_name, rule_name, sketch
 from analysis.report.json_values import finding, json_value
 from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.report.provenance import sample_words, sizes_of

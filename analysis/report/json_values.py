@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.drawing.labels import label_of, option_name, rule_name
+from analysis.drawing import label_of, option_name, rule_name
 from analysis.published import quantity_label
 from workflow.results.columns import TABLES, meaning
 

@@ -13,7 +13,7 @@ import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
-from analysis.drawing.labels import SERIES, label_of
+from analysis.drawing import SERIES, label_of
 from analysis.report.joints import answer_content, joints_content, joints_verdict
 from analysis.report.json_values import headings, json_table, words
 from analysis.report.provenance import as_yaml, provenance

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from analysis.drawing.labels import label_of, option_name, rule_name
+from analysis.drawing import label_of, option_name, rule_name
 from analysis.tables.study_points import winner
 from sidmacib.engines import ENGINES
 from workflow.case import REFERENCE

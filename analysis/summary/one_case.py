@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from itertools import product
 
-from analysis.drawing.labels import label_of, option_name, rule_name
+from analysis.drawing import label_of, option_name, rule_name
 from analysis.tables.capacity import law_capacity
 from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity

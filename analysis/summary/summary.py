@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.published import comparisons, difference_text, quantity_label
 from analysis.summary.answers import (
     DESIGN,

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.calibration.candidates import PEAK_AIM, WEIGHT_AIM, read_as_degrees
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.published import (
     PublishedLine,
     PublishedSamples,

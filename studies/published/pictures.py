@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from PIL import Image, ImageSequence
 
-from analysis.drawing.boxes import MM
+from analysis.drawing import MM
 from analysis.vtk import displacements
 from sidmacib.build.solids import Clearance, Solid, solids
 from sidmacib.build.sources import joint_blocks
