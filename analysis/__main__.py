@@ -59,7 +59,7 @@ def _rule(study: Study, name: str, model: str) -> str | None:
 
 def run_calibration(config: Path, results: str | None) -> str | None:
     """Calibrate the joints of a study; returns an error message, or None."""
-    from analysis.calibration.calibrate import calibrate
+    from analysis.calibration import calibrate
 
     study_with_joints(config, results)
     return calibrate(config, results, snakemake)

@@ -9,7 +9,7 @@ import pytest
 from conftest import ROOT
 from made_up_results import record_with, tables_of
 
-from analysis.figures.catalogue import figures_of
+from analysis.figures import figures_of
 from analysis.figures.draw import DRAWN_BY, KINDS, run
 from analysis.figures.joint import _cells
 from analysis.figures.style import of_model

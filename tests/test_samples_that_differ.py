@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
 
-from analysis.figures.catalogue import figures_of
+from analysis.figures import figures_of
 from analysis.published import comparisons, difference_text, read_published
 from analysis.summary.summary import leading_models, summary
 from analysis.tables.capacity import sidmacib_rows

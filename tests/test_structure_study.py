@@ -12,8 +12,7 @@ from conftest import ROOT
 
 from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary
-from analysis.tables import supports
-from analysis.tables.structures import structures_table
+from analysis.tables.structures import structures_table, write_supports
 from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
 from workflow.case import StructureCase
@@ -134,7 +133,7 @@ def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) 
         [each.structure, each.load, each.description, variant]
         for each, variant in support_cases(study)
     ]
-    supports.run({"cases": cases}, {}, {"supports": tmp_path / "supports.csv"})
+    write_supports({"cases": cases}, {}, {"supports": tmp_path / "supports.csv"})
     table = read_table(SUPPORTS, tmp_path / "supports.csv")
     row = table.set_index(["load", "variant", "answer"]).loc
     # By hand, see docs/howto/displacements.md: beam and wall turn about the edge of the pier.

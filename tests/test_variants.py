@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from made_up_results import capacity_of, record_with
 
-from analysis.figures.catalogue import FigureSpec
+from analysis.figures import FigureSpec
 from analysis.figures.material import FigureData
 from analysis.figures.models import fracture_energy, stiffness
 from analysis.tables.collect import weight_sums, weights_table

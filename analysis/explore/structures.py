@@ -9,7 +9,7 @@ import pandas as pd
 
 from analysis.drawing import label_of
 from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
-from analysis.report.json_values import json_value
+from analysis.report import json_value
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.answers.structure_words import answer_words
 from sidmacib.errors import CapacityError, ResultError

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
+from analysis.figures import IN_THE_PAPER, FigureSpec
 from analysis.published import read_published
-from analysis.tables.study_points import study_points
+from analysis.tables import study_points
 from workflow.case import REFERENCE, JointCase
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from analysis.drawing import label_of
-from analysis.figures import style
-from analysis.figures.catalogue import shown_samples
+from analysis.figures import shown_samples, style
 from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.material import FigureData
 from analysis.tables.collect import SHARES

@@ -55,11 +55,11 @@ rule supports:
             [each.structure, each.load, each.description, variant]
             for each, variant in MOVING_SUPPORTS
         ],
-        code=code("analysis.tables.supports", StructureSubject.modules),
+        code=code("analysis.tables.structures", StructureSubject.modules),
     message:
         "Move the supports of structures"
     script:
-        "../tables/supports.py"
+        "../tables/structures.py"
 
 
 rule structure_summary:

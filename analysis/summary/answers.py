@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.drawing import label_of, option_name, rule_name
-from analysis.tables.study_points import winner
+from analysis.tables import winner
 from sidmacib.engines import ENGINES
 from workflow.case import REFERENCE
 

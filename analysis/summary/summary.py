@@ -17,7 +17,7 @@ from analysis.summary.answers import (
     percent,
     ratios,
 )
-from analysis.tables.study_points import winner
+from analysis.tables import winner
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.published import Published, read_published
-from analysis.tables.study_points import pure_shear_weights
+from analysis.tables import pure_shear_weights
 from sidmacib.contact_points.envelope import envelope
 from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacities

@@ -7,8 +7,8 @@ from typing import Any
 import pandas as pd
 
 from analysis.published import Published, read_published
+from analysis.tables import pure_shear_weights, study_points, winner
 from analysis.tables.fit import best_table, fit_table, variants_table
-from analysis.tables.study_points import pure_shear_weights, study_points, winner
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE
 from workflow.results.tables import (

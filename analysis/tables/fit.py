@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from analysis.tables.study_points import LoadErrors, misfit, study_points
+from analysis.tables import LoadErrors, misfit, study_points
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, pair_loads
 from sidmacib.joint.joint import Direction, Joint
