@@ -15,7 +15,7 @@ import yaml
 
 from sidmacib.joint.joint import Side
 from workflow.schema import Study
-from workflow.schema.joint import AssemblySection
+from workflow.schema.sections import AssemblySection
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,8 @@ from sidmacib.problem import Problem
 from sidmacib.rule.law import RULES, first_failure
 from workflow.closure import ROOT
 from workflow.results.record import read_times
-from workflow.sampling import Sampling, sampled_joints
-from workflow.steps.sampling import solved_rows
+from workflow.sampling import sampled_joints, solved_rows
+from workflow.schema.sections import SamplingSection
 
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
 RATIOS = [round(0.02 * n, 2) for n in range(50)]
@@ -96,7 +96,7 @@ def library_figures() -> Iterator[Figure]:
         cases = partial(pool.map, static_load, range(1000), chunksize=50)
         spent = seconds(lambda: list(cases()), clock=time.perf_counter)
         yield Figure("static cases, 5 locks", "1/s", 1000 / spent)
-    sampled = list(sampled_joints(Sampling(512, 2026), Joint(5), 1, 41))
+    sampled = list(sampled_joints(SamplingSection(joints=512, seed=2026), Joint(5), 1, 41))
     ratios = (0.0, 0.05, 0.1, 0.3, 1.0, 3.0, float("inf"))
     points = partial(solved_rows, sampled, ratios, cells=(1, 2), limited=41)
     spent = seconds(lambda: list(points())) / (len(sampled) * len(ratios))

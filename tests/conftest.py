@@ -45,13 +45,13 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
+from workflow import engine as engine_step
 from workflow.case import Case, JointCase, JointSubject
 from workflow.command import snakemake, snakemake_command
 from workflow.configuration import read_study
 from workflow.results.joint_part import JointRecord
 from workflow.results.record import RECORD, read_records
 from workflow.schema import Study
-from workflow.steps import engine as engine_step
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.

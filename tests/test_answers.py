@@ -23,7 +23,7 @@ from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
 from workflow.results.record import Record, record_without_result
 from workflow.results.structure_part import StructureRecord
-from workflow.steps.solve import solved_or_not
+from workflow.solve import solved_or_not
 
 SOLVE = {"static": structure_static.solve, "limit": structure_limit.solve}
 

@@ -25,7 +25,7 @@ from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
 from sidmacib.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
 from sidmacib.models.static import solve as static_model
 from workflow.configuration import ConfigError, read_study
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 ENGINE = ENGINES["calculix"]
 BLOCK = Elastic(1e10, 0.2)

@@ -22,7 +22,7 @@ from workflow.configuration import read_study
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study
-from workflow.schema.joint import AssemblySection
+from workflow.schema.sections import AssemblySection
 
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "examples"

@@ -22,7 +22,7 @@ from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 pytestmark = pytest.mark.engine
 

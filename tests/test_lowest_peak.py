@@ -30,7 +30,7 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.models.static import solve
 from workflow.case import Case, JointSubject
 from workflow.results.joint_part import JointRecord
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 NODES, FINE = NodeLayout.LOBATTO, 0.0124875
 

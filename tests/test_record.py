@@ -30,7 +30,7 @@ from sidmacib.models import limit, static
 from sidmacib.problem import Outcome, State
 from workflow.case import Case, JointCase, JointSubject
 from workflow.results.record import Record, record_of, record_without_result
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 JOINT = Joint(3)
 

@@ -8,12 +8,11 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from analysis.report.page import as_yaml, provenance, versions_of
 from axe_playwright_python.sync_playwright import Axe
 from chromium import Opened, needs_browser, until
 
 from analysis.report import json_table, paths
-from analysis.report.page import page
+from analysis.report.page import as_yaml, page, provenance, versions_of
 from analysis.report.paths import paths_of, shown_cases
 from sidmacib.yaml_text import parsed
 from workflow.cases import cases_of

@@ -16,7 +16,7 @@ from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
-from workflow.schema.joint import PartSection
+from workflow.schema.sections import PartSection
 
 pytestmark = pytest.mark.study
 

@@ -2,6 +2,9 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from operator import itemgetter
+from typing import Any
 
 from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.engines import ENGINES
@@ -15,17 +18,19 @@ from sidmacib.models import LAWS, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE
-from workflow.schema import Study
-from workflow.schema.joint import AssemblySection, PartSection, Pieces, changed
-from workflow.schema.models import NumericsSection
-from workflow.schema.study import required_sections
-from workflow.structures import structure_faults
+from workflow.schema import LOAD, StructureSection, Study, required_sections
+from workflow.schema.sections import AssemblySection, NumericsSection, PartSection, Pieces, changed
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
     Failure.SOFTENING: (Ability.SOFTENING, "brittle or ductile"),
     Failure.DUCTILE: (Ability.DUCTILE, "brittle"),
 }
+ABLE = tuple(  # models of structures: those of rigid pieces
+    name
+    for name, model in MODELS.items()
+    if Ability.RIGID in model.abilities and (name in ENGINES or name in SOLVED)
+)
 MAX_NODES = 1_000_000  # of one case: a few GB in any model
 MAX_GEOMETRIES = 100_000  # of the calibration
 MAX_CELLS_ALONG = 1000  # a lock, in the calibration
@@ -325,3 +330,68 @@ def _some(values: Iterable[object]) -> str:
     """The first of ``values`` in words."""
     words = [str(value) for value in values]
     return ", ".join(words[:5]) + (", ..." if len(words) > 5 else "") or "nothing"
+
+
+def models_of(study: Study, section: StructureSection) -> tuple[str, ...]:
+    """Those of the study's models that analyse a structure."""
+    names = section.models
+    return tuple(
+        name for name in study.model_names if name in ABLE and (names is None or name in names)
+    )
+
+
+def moves_support(description: Mapping[str, Any]) -> bool:
+    """Whether the load of a ``description`` is a support that moves."""
+    load = description.get(LOAD)
+    return isinstance(load, Mapping) and "support" in load
+
+
+def structure_faults(study: Study) -> Iterator[str]:
+    """Everything that is wrong with the structures of ``study``, one line each."""
+    for name, section in study.structures.items():
+        key = f"structures.{name}"
+        for number, model in enumerate(section.models or ()):
+            if model not in ABLE:
+                yield f"{key}.models: {shown(model)} is not allowed; it must be {' or '.join(ABLE)}"
+            elif model in (section.models or ())[:number]:
+                yield f"{key}.models: {model} appears twice; each name must appear only once"
+        if REFERENCE in section.variants:
+            yield f"{key}.variants: the name {REFERENCE} is reserved; choose another name"
+        if section.description is None:
+            yield f"{key}: missing; give description or file"
+            continue
+        named = set(section.models or ABLE)
+        if not models_of(study, section) and named <= set(ABLE) and not named & set(ENGINES):
+            yield (
+                f"{key}.models: none of these is in the study's models; it must have "
+                f"{' or '.join(ABLE)}"
+            )
+        if all(moves_support(description) for _, _, description in section.described()):
+            allowed = "one that is not, such as {acceleration: [1, 0, 0]}, is needed beside them"
+            yield f"{key}.loads: all are supports that move; {allowed}"
+        yield from dict.fromkeys(_unreadable(key, section))
+
+
+def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
+    # Polygons take long to import.
+    from sidmacib.structure.files.loads import LoadSection  # noqa: PLC0415
+    from sidmacib.structure.files.structure_file import assembly_of, permanent_of  # noqa: PLC0415
+
+    for variant, group in groupby(section.described(), key=itemgetter(1)):
+        place = f"variants.{variant}" if variant != REFERENCE else "description"
+        cases = [(load, description) for load, _, description in group]
+        try:
+            assembly = assembly_of({k: v for k, v in cases[0][1].items() if k != LOAD})
+        except ValueError as error:
+            yield f"{key}.{place}: {_in_a_line(error)}"
+            continue
+        for load, description in cases:
+            try:
+                given = LoadSection.read(description.get(LOAD), LOAD)
+                given.on(assembly, permanent_of(assembly, description))
+            except ValueError as error:
+                yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
+
+
+def _in_a_line(error: ValueError) -> str:
+    return " ".join(str(error).split())

@@ -30,8 +30,7 @@ from sidmacib.mechanics.assembly import Elastic
 from sidmacib.validation import UNIONS, number_of
 from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table
-from workflow.schema import Study
-from workflow.schema.study import FILE
+from workflow.schema import FILE, Study
 
 Schema = dict[str, Any]
 FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader

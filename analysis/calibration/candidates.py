@@ -27,7 +27,7 @@ from sidmacib.model import Ability
 from sidmacib.models import MODELS
 from workflow.configuration import ConfigError
 from workflow.schema import Study
-from workflow.schema.joint import GeometrySection as Geometry
+from workflow.schema.sections import GeometrySection as Geometry
 
 # Of a peak: published ones of a sample differ by 0.03 and 0.55 % between the meshes.
 PEAK_SCALE = 0.005

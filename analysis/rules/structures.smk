@@ -1,5 +1,5 @@
 # Included if the study has structures: their tables, files for ParaView and summary.
-from workflow.structures import support_cases
+from workflow.cases import support_cases
 
 
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
