@@ -13,7 +13,7 @@ from workflow.command import (
     use_writable_caches,
 )
 from workflow.configuration import CallError, ConfigError
-from workflow.results.record import RECORD, read_records
+from workflow.results import RECORD, read_records
 from workflow.schema import Study
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points import OPTIONS
 from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import PLATE, cut_pieces, lock_name, upper_block

@@ -20,11 +20,11 @@ from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Kind, Piece
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.structure.analysis.rows import InterfaceRow
 from sidmacib.structure.blocks import solids_of
 from workflow.case import JointCase, StructureCase
-from workflow.results.record import read_records
+from workflow.results import read_records
 from workflow.results.structure_part import StructurePart
 from workflow.step import Arguments, FileLists, step
 

@@ -30,12 +30,12 @@ from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Problem
-from sidmacib.rule.law import RULES, first_failure
+from sidmacib.rule import RULES, first_failure
 from workflow.closure import ROOT
-from workflow.results.record import read_times
+from workflow.results import read_times
 from workflow.sampling import sampled_joints, solved_rows
 from workflow.schema.sections import SamplingSection
 

@@ -1,9 +1,9 @@
 # Public names and where they are; a module is imported when one of its names is first used.
+from .contact_points import OPTIONS as OPTIONS
+from .contact_points import READY_OPTIONS as READY_OPTIONS
+from .contact_points import ContactOption as ContactOption
 from .contact_points.envelope import Envelope as Envelope
 from .contact_points.envelope import envelope as envelope
-from .contact_points.options import OPTIONS as OPTIONS
-from .contact_points.options import READY_OPTIONS as READY_OPTIONS
-from .contact_points.options import ContactOption as ContactOption
 from .contact_points.programme import Capacity as Capacity
 from .contact_points.programme import Sidmacib as Sidmacib
 from .contact_points.programme import capacities as capacities
@@ -32,9 +32,12 @@ from .mechanics.assembly import Loads as Loads
 from .mechanics.assembly import NodeLayout as NodeLayout
 from .mechanics.limit import limit_load as limit_load
 from .mechanics.limit_sensitivity import limit_derivatives as limit_derivatives
-from .mechanics.static.lowest_peak import lowest_peak as lowest_peak
-from .mechanics.static.model import static_first_failure as static_first_failure
-from .mechanics.static.model import static_peak as static_peak
+from .mechanics.static import static_first_failure as static_first_failure
+from .mechanics.static import static_peak as static_peak
+from .mechanics.static.peaks import lowest_peak as lowest_peak
+from .rule import LawCapacity as LawCapacity
+from .rule import law as law
+from .rule import safe as safe
 from .rule.inverse import Candidate as Candidate
 from .rule.inverse import Demand as Demand
 from .rule.inverse import Prices as Prices
@@ -42,9 +45,6 @@ from .rule.inverse import Search as Search
 from .rule.inverse import all_candidates as all_candidates
 from .rule.inverse import cheapest as cheapest
 from .rule.inverse import fewest_locks as fewest_locks
-from .rule.law import LawCapacity as LawCapacity
-from .rule.law import law as law
-from .rule.law import safe as safe
 from .rule.pairs import Pairs as Pairs
 from .rule.pairs import pairs_of as pairs_of
 from .rule.reliability import Characteristic as Characteristic

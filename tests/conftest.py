@@ -49,8 +49,8 @@ from workflow import engine as engine_step
 from workflow.case import Case, JointCase, JointSubject
 from workflow.command import snakemake, snakemake_command
 from workflow.configuration import read_study
+from workflow.results import RECORD, read_records
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import RECORD, read_records
 from workflow.schema import Study
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job

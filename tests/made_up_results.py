@@ -12,8 +12,8 @@ from analysis.tables.comparisons import validation_table
 from analysis.tables.fit import best_table, fit_table
 from sidmacib.joint.weights import LockWeight
 from workflow.case import JointCase
+from workflow.results import record_without_result
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import record_without_result
 from workflow.schema import Study
 
 

@@ -20,12 +20,12 @@ from analysis.tables.collect import (
     weights_table,
 )
 from analysis.tables.fit import best_pair, fit_table
-from sidmacib.contact_points.options import ContactOption, active
+from sidmacib.contact_points import ContactOption, active
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.results import record_without_result
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import record_without_result
 from workflow.results.tables import CAPACITY, CASES, WEIGHTS, TableError, read_table, write_table
 from workflow.schema import Study
 

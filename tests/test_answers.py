@@ -21,7 +21,7 @@ from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
-from workflow.results.record import Record, record_without_result
+from workflow.results import Record, record_without_result
 from workflow.results.structure_part import StructureRecord
 from workflow.solve import solved_or_not
 

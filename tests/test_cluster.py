@@ -17,7 +17,7 @@ from workflow.case import JointCase
 from workflow.command import profile_named
 from workflow.configuration import ConfigError
 from workflow.jobs import engine_resources, nodes_of, solved_resources
-from workflow.results.record import RECORD
+from workflow.results import RECORD
 from workflow.step import KilledError
 
 

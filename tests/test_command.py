@@ -20,8 +20,8 @@ from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.rule.law import law, safe
+from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.rule import law, safe
 from sidmacib.rule.pairs import pairs_of
 
 

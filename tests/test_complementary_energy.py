@@ -13,7 +13,7 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 
 @pytest.mark.parametrize("locks", [3, 4])

@@ -19,7 +19,7 @@ from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
 from workflow.solve import solved

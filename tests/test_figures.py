@@ -24,7 +24,7 @@ from sidmacib.models import LAWS, detailed
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
-from workflow.results.record import record_without_result
+from workflow.results import record_without_result
 from workflow.results.tables import write_table
 
 

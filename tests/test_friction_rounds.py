@@ -23,7 +23,7 @@ from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
-from sidmacib.mechanics.static.model import static_first_failure, static_peak
+from sidmacib.mechanics.static import static_first_failure, static_peak
 
 # Joint 9783 of a sampling of 13,312 joints: rough locks, soft roots, stiff dry faces.
 ROUGH = Joint(

@@ -18,7 +18,7 @@ HEAVY = {"cvxpy", "highspy", "clarabel", "scipy", "pandas", "pyarrow", "numba", 
 }
 DESCRIPTION = (
     *("errors", "joint.joint", "joint.pieces", "joint.loading", "validation"),
-    "contact_points.options",
+    "contact_points",
     *("mechanics.assembly", "mechanics.equilibrium", "mechanics.contact_law"),
 )
 

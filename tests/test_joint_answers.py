@@ -16,7 +16,7 @@ from sidmacib.joint.loading import Loading
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models.static import solve
-from workflow.results.record import record_of
+from workflow.results import record_of
 
 JOINTS = {
     "published": Settings(),

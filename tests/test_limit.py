@@ -19,7 +19,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 
 def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:

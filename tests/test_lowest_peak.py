@@ -18,7 +18,8 @@ from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static import lowest_peak as module
-from sidmacib.mechanics.static.lowest_peak import (
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import (
     LOWER,
     MOST,
     MOST_ELASTIC,
@@ -26,7 +27,6 @@ from sidmacib.mechanics.static.lowest_peak import (
     FromElsewhere,
     lowest_peak,
 )
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.models.static import solve
 from workflow.case import Case, JointSubject
 from workflow.results.joint_part import JointRecord

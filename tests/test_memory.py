@@ -12,7 +12,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.elastic import solver
 from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 
 def joint(locks: int, body: UpperBody = UpperBody.COLUMNS) -> Joint:

@@ -14,12 +14,12 @@ from analysis.tables.collect import ResultErrors, errors_of
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
 from workflow.case import Case, JointSubject
 from workflow.cases import second_mesh
+from workflow.results import record_without_result
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import record_without_result
 
 LIMIT = 100.0  # N, made-up capacity at an ever finer mesh
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import READY_OPTIONS, ContactOption
+from sidmacib.contact_points import READY_OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities, pair_loads
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 

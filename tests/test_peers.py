@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import furthest_by_highs, standard_form
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
 from sidmacib.joint.joint import Joint
 

@@ -29,7 +29,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.problem import Outcome, State
 from workflow.case import Case, JointCase, JointSubject
-from workflow.results.record import Record, record_of, record_without_result
+from workflow.results import Record, record_of, record_without_result
 from workflow.solve import solved
 
 JOINT = Joint(3)

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
 
-from sidmacib.contact_points.options import OPTIONS, active
+from sidmacib.contact_points import OPTIONS, active
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Push

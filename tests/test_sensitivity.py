@@ -12,8 +12,8 @@ from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import assemble, reassemble
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.rule.law import law
+from sidmacib.mechanics.static import static_first_failure
+from sidmacib.rule import law
 
 SMOOTH = replace(DRY, friction=0.0)
 WEAK = replace(INNER, tensile_strength=0.0)

@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, N
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.softening import Softening
 
 STORED = INNER.cohesion**2 / (2 * INNER.shear_stiffness)  # J/m2, elastically, at failure

@@ -22,7 +22,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.static.model import Mode, StaticSolution, static_first_failure, static_peak
+from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> tuple[Assembly, StaticSolution]:

@@ -12,7 +12,7 @@ from conftest import ROOT
 
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.files.structure_file import read_structure
 from sidmacib.yaml_text import read_yaml

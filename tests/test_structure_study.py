@@ -20,7 +20,7 @@ from workflow.case import StructureCase
 from workflow.cases import structure_cases, support_cases
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.jobs import case_jobs
-from workflow.results.record import read_records
+from workflow.results import read_records
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, SUPPORTS, read_table
 from workflow.schema import with_changes
 

@@ -11,7 +11,7 @@ from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS
 from sidmacib.engines.engine import Numerics
 from sidmacib.joint.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble

@@ -17,7 +17,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout, self_weight
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 pytestmark = pytest.mark.engine
 

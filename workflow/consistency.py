@@ -6,7 +6,7 @@ from itertools import groupby
 from operator import itemgetter
 from typing import Any
 
-from sidmacib.contact_points.options import REDUCTIONS
+from sidmacib.contact_points import REDUCTIONS
 from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare

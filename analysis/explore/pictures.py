@@ -22,7 +22,7 @@ from sidmacib.joint.loading import Loading
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.rule.law import RULES, LawCapacity, first_failure, law, require_covered
+from sidmacib.rule import RULES, LawCapacity, first_failure, law, require_covered
 
 SYMBOLS = {"law": "x", "safe": "star"}
 MOST_VALUES = 41  # of a slider, that are tried

@@ -20,7 +20,7 @@ from sidmacib.scene.sections import forces_of
 from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
-from workflow.results.record import record_of, record_without_result
+from workflow.results import record_of, record_without_result
 from workflow.results.structure_part import StructureRecord
 
 KEPT = 64  # structures that are not computed again

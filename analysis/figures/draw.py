@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import FigureSpec, curves, figures_of, joint, models, style
 from analysis.figures.material import FigureData, Stresses
-from workflow.results.record import BATCH_NODES, read_records
+from workflow.results import BATCH_NODES, read_records
 from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step

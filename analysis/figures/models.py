@@ -17,8 +17,7 @@ from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import UpperBody
-from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import LAWS, REFERENCE_MODEL
 from workflow.case import REFERENCE
 from workflow.cases import cases_of

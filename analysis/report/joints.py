@@ -29,7 +29,7 @@ from analysis.summary.answers import (
 from analysis.summary.summary import AGREEMENT, leading_models
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
-from sidmacib.rule.law import RULES
+from sidmacib.rule import RULES
 from sidmacib.rule.pairs import pairs_of
 from workflow.cases import cases_of
 from workflow.schema import Study

@@ -32,8 +32,8 @@ from analysis.report.structures import (
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
 from workflow.case import StructureCase
+from workflow.results import read_times
 from workflow.results import tables as forms
-from workflow.results.record import read_times
 from workflow.results.tables import read_table
 from workflow.schema import Study
 from workflow.step import Arguments, Files, step

@@ -5,7 +5,7 @@ from itertools import product
 
 from analysis.drawing import label_of, option_name, rule_name
 from analysis.tables.capacity import law_capacity
-from sidmacib.contact_points.options import REDUCTIONS
+from sidmacib.contact_points import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.joint import Direction
 from sidmacib.models import LAWS

@@ -12,8 +12,8 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.case import REFERENCE
+from workflow.results import read_records
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import read_records
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
 from workflow.step import Arguments, FileLists, Files, step
 

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from analysis.tables import LoadErrors, misfit, study_points
-from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, pair_loads
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats

@@ -16,7 +16,7 @@ from sidmacib.structure.analysis.rows import most_used
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.loads import SupportMotion
 from workflow.case import StructureSubject
-from workflow.results.record import read_records, rounded_or_none
+from workflow.results import read_records, rounded_or_none
 from workflow.results.structure_part import StructureRecord
 from workflow.results.tables import BLOCKS, INTERFACES, MOTION, STRUCTURES, SUPPORTS, write_table
 from workflow.step import Arguments, FileLists, Files, step

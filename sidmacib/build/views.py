@@ -7,7 +7,7 @@ import manifold3d
 import numpy as np
 import trimesh
 
-from sidmacib.build.solids import Solid, simplified
+from sidmacib.build import Solid, simplified
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.locks import Row
 from sidmacib.structure.structure import Pair

@@ -23,7 +23,7 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule.law import (
+from sidmacib.rule import (
     PATH,
     SPANS,
     JointFailure,

@@ -27,7 +27,7 @@ from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, nee
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.files.structure_file import assembly_of
 

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points import ContactOption
 from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Vector
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.interfaces import Interface

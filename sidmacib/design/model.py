@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 from scipy.sparse import csr_array, diags_array
 
-from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design.layouts import Layout, Weights
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw

@@ -25,7 +25,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule.law import (
+from sidmacib.rule import (
     JointFailure,
     LawCapacity,
     at_most,

@@ -26,9 +26,9 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.rule.law import SPANS, safe
+from sidmacib.mechanics.static import static_first_failure
+from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.rule import SPANS, safe
 from studies.markdown import markdown
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Failure, Floats

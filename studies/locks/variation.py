@@ -17,7 +17,7 @@ from scipy.stats import loguniform, sobol_indices, uniform
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.rule.law import first_failure, law
+from sidmacib.rule import first_failure, law
 from sidmacib.rule.reliability import FIFTH_PERCENTILE, scatter
 from sidmacib.validation import dataclass_from
 from workflow.results.tables import Table, write_table

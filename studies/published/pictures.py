@@ -22,7 +22,7 @@ from PIL import Image, ImageSequence
 
 from analysis.drawing import MM
 from analysis.vtk import displacements
-from sidmacib.build.solids import Clearance, Solid, solids
+from sidmacib.build import Clearance, Solid, solids
 from sidmacib.build.sources import joint_blocks
 from sidmacib.build.views import view
 from sidmacib.drawing import BLACK, BLUE, GREY, ORANGE, VERMILION
@@ -31,8 +31,8 @@ from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import after_peak
 from workflow.configuration import read_study_file
 
 CHECKOUT = Path(__file__).parents[2]

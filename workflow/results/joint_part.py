@@ -9,7 +9,7 @@ from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Outcome
 from sidmacib.rounding import clean, rounded
 from workflow.case import JointCase
-from workflow.results.record import Record
+from workflow.results import Record
 
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 NOISE_OF_BALANCE = 1e-12

@@ -5,7 +5,7 @@ from sidmacib.engines.render import sources
 from sidmacib.models import MODELS
 from workflow.case import JointSubject, StructureSubject
 from workflow.jobs import engine_resources, solved_resources
-from workflow.results.record import BATCH_RECORDS, RECORD
+from workflow.results import BATCH_RECORDS, RECORD
 from workflow.threedec import DECK, deck_folder
 
 

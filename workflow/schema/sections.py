@@ -11,7 +11,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
 from sidmacib.engines.engine import Numerics
 from sidmacib.joint.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
