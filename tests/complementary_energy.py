@@ -22,8 +22,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.optimisation import solve
+from sidmacib.mechanics.optimisation import equilibrium_matrix, solve
 
 ROUNDS = 200
 LEAST_BOUND = 1e-6  # of friction, over a node's share of the load: solvers need an interior

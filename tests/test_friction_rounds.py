@@ -18,9 +18,9 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, Nod
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static import static_first_failure, static_peak

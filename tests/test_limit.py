@@ -17,8 +17,8 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.static import static_peak
 
 

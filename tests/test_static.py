@@ -21,7 +21,7 @@ from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Failure,
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
 
 

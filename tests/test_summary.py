@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
 
-from analysis.summary.answers import rule_errors
+from analysis.summary import rule_errors
 from analysis.summary.summary import leading_models, summary
 from sidmacib.contact_points import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities

@@ -10,8 +10,8 @@ import pytest
 from made_up_results import capacity_of, record_with
 
 from analysis.figures import FigureSpec
-from analysis.figures.material import FigureData
 from analysis.figures.models import fracture_energy, stiffness
+from analysis.figures.style import FigureData
 from analysis.tables.collect import weight_sums, weights_table
 from analysis.tables.fit import variants_table
 from sidmacib.mechanics.assembly import Failure

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from analysis.drawing import PUBLISHED, label_of, option_colour, option_name, rule_name
 from analysis.figures import REVISED, shown_samples, style
-from analysis.figures.material import FigureData
+from analysis.figures.style import FigureData
 from sidmacib.drawing import GREY, vm_axes, vm_curve
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE

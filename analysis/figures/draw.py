@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis.figures import FigureSpec, curves, figures_of, joint, models, style
-from analysis.figures.material import FigureData, Stresses
+from analysis.figures.style import FigureData, Stresses
 from workflow.results import BATCH_NODES, read_records
 from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
 from workflow.schema import Study

@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 
 from analysis.drawing import MM, boxes, label_of
 from analysis.figures import style
-from analysis.figures.material import FigureData, Stresses
+from analysis.figures.style import FigureData, Stresses
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Push

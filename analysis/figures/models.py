@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from analysis.drawing import label_of
 from analysis.figures import shown_samples, style
 from analysis.figures.curves import model_curve, published_point, rule_curve
-from analysis.figures.material import FigureData
+from analysis.figures.style import FigureData
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError

@@ -15,7 +15,7 @@ from analysis.drawing import label_of, option_colour, option_name, rule_name, sk
 from analysis.published import read_published
 from analysis.report import finding, json_value
 from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.summary.answers import (
+from analysis.summary import (
     PEAK_ACCURACY,
     Question,
     RuleError,

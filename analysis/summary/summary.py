@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis.drawing import label_of
 from analysis.published import comparisons, difference_text, quantity_label
-from analysis.summary.answers import (
+from analysis.summary import (
     DESIGN,
     MESH_LIMIT,
     PEAK_ACCURACY,

@@ -14,7 +14,7 @@ import click
 
 from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve
 from sidmacib.models import MODELS
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,7 +15,7 @@ from typing import Any, Generic, TypeVar
 
 from sidmacib.errors import ResultError
 from sidmacib.problem import Outcome, Problem, checked_share
-from sidmacib.rounding import rounded
+from sidmacib.quantities import rounded
 from sidmacib.validation import dataclass_from
 from workflow.case import SUBJECTS, Case, CaseId, JointSubject
 

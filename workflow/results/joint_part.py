@@ -7,7 +7,7 @@ from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Outcome
-from sidmacib.rounding import clean, rounded
+from sidmacib.quantities import clean, rounded
 from workflow.case import JointCase
 from workflow.results import Record
 
