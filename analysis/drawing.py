@@ -11,7 +11,7 @@ from pathlib import Path
 
 from sidmacib.contact_points import OPTIONS
 from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.pieces import PLATE, cut_pieces, lock_name, upper_block
 from sidmacib.mechanics.assembly import Vector
 from sidmacib.models import MODELS

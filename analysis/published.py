@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sidmacib.joint.joint import Side
+from sidmacib.joint import Side
 from workflow.schema import Study
 from workflow.schema.sections import AssemblySection
 

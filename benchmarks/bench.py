@@ -27,7 +27,7 @@ from benchmarks.structures import armadillo_figures, wall_figures
 from benchmarks.usage import seconds, used
 from sidmacib.engines import ENGINES
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.static import static_peak

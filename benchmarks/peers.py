@@ -22,7 +22,7 @@ from scipy.optimize import linprog
 from benchmarks.usage import seconds
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble, cut_pieces
 from sidmacib.mechanics.assembly import Cuboid, Floats

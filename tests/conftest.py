@@ -28,7 +28,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_faces, shared_face
 from sidmacib.mechanics.assembly import (

@@ -12,7 +12,7 @@ from complementary_energy import least_energy_forces
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.envelope import envelope
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import FaceMaterial, Failure
 from sidmacib.mechanics.contact_law.kernels import utilisation

@@ -22,7 +22,7 @@ from sidmacib.build.sheet import draw_sheet, spelled
 from sidmacib.build.sources import Found, blocks_of_file, joint_blocks
 from sidmacib.build.views import cut_place, section, view
 from sidmacib.command.main import main
-from sidmacib.joint.joint import Joint, OwnLock, Side
+from sidmacib.joint import Joint, OwnLock, Side
 from sidmacib.joint.pieces import cut_pieces
 from sidmacib.mechanics.assembly import Cuboid
 from sidmacib.structure.blocks import Block, prism

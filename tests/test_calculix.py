@@ -17,7 +17,7 @@ from sidmacib.engines.calculix.run import load_at, raised
 from sidmacib.engines.render import _material_names, assembly_data, engine_material
 from sidmacib.engines.run import EngineError, refusal
 from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of
-from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly as Discretised

@@ -13,7 +13,7 @@ from conftest import ROOT, a_case
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.models import MODELS

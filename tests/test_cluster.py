@@ -10,7 +10,7 @@ from conftest import ROOT, a_case
 from sidmacib.engines.engine import FOREIGN, engine_environment
 from sidmacib.engines.run import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from workflow import engine as engine_step
 from workflow.case import JointCase

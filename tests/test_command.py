@@ -15,8 +15,8 @@ from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
+from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.effects import sensitivity
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Elastic

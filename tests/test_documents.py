@@ -145,7 +145,7 @@ def test_the_site_is_built_without_a_warning(
         [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert "sidmacib.joint.joint.Joint" in (tmp_path / "api.html").read_text()
+    assert "sidmacib.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
     assert (tmp_path / "objects.inv").is_file()
     options = (tmp_path / "options.html").read_text()

@@ -11,7 +11,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import SolverError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
 from sidmacib.joint.pieces import assemble, shared_face

@@ -15,7 +15,7 @@ from sidmacib.command.main import main
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.run import OUTPUTS, EngineError
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout

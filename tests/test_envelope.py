@@ -13,7 +13,7 @@ from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.contact_points.envelope import envelope, polygon
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.errors import InfeasibleError, SolverError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 
 
 def support_of(points: np.ndarray):

@@ -17,7 +17,7 @@ from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
 from analysis.tables.fit import variants_table
 from sidmacib.engines import ENGINES
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, detailed

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Failure

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import PLATE, assemble
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout

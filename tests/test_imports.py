@@ -17,7 +17,7 @@ HEAVY = {"cvxpy", "highspy", "clarabel", "scipy", "pandas", "pyarrow", "numba", 
     "yaml",
 }
 DESCRIPTION = (
-    *("errors", "joint.joint", "joint.pieces", "joint.loading", "validation"),
+    *("errors", "joint", "joint.pieces", "joint.loading", "validation"),
     "contact_points",
     *("mechanics.assembly", "mechanics.equilibrium", "mechanics.contact_law"),
 )

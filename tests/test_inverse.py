@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.rule import safe

@@ -13,7 +13,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.run import EngineError, execute
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout

@@ -10,7 +10,7 @@ from structures import dry
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.errors import CapacityError, InfeasibleError
-from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
 from sidmacib.mechanics.limit import limit_load

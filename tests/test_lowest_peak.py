@@ -9,7 +9,7 @@ import pytest
 
 from analysis.summary.summary import spread_lines
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.joint.joint import INNER, Direction, Elastic, Joint, UpperBody
+from sidmacib.joint import INNER, Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout

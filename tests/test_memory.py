@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Elastic, Joint, UpperBody
+from sidmacib.joint import Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.elastic import solver

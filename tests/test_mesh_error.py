@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.tables.collect import ResultErrors, errors_of
-from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
+from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
 from sidmacib.mechanics.static import static_peak

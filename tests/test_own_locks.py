@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.joint.weights import LockWeight, lock_weights

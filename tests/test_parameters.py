@@ -2,7 +2,7 @@
 
 import pytest
 
-from sidmacib.joint.joint import Direction, HoldDown, Joint
+from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.parameters import PARAMETERS, SIZES, with_parameters
 from sidmacib.quantities import Length
 from sidmacib.rule import law, spans_of

@@ -6,7 +6,7 @@ import pytest
 from benchmarks.peers import furthest_by_highs, standard_form
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 
 
 @pytest.mark.parametrize("way", [(1.0, 0.0), (0.3, 0.7), (-0.2, -0.9)])

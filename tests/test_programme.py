@@ -14,7 +14,7 @@ import sidmacib.contact_points.programme as programme_module
 from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption, contact_points
 from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, programme
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.optimisation import solve
 

@@ -20,7 +20,7 @@ from sidmacib.engines.results import (
     read_outcome,
 )
 from sidmacib.errors import ResultError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import assemble
 from sidmacib.joint.weights import lock_weights

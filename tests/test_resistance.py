@@ -8,7 +8,7 @@ from scipy.stats import binom
 from test_scatter import strengths
 
 import sidmacib
-from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, OwnLock
+from sidmacib.joint import Direction, Hold, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.solution import Mode

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial

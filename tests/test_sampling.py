@@ -13,7 +13,7 @@ from conftest import ROOT, outputs_of
 
 from sidmacib.contact_points import OPTIONS, active
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml

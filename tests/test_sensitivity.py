@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from sidmacib.errors import CapacityError
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.effects import Effect, Sensitivity, sensitivity
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import assemble, reassemble
 from sidmacib.mechanics.assembly import Elastic

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 from analysis.drawing import PICTURE, seen, sketch
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -9,7 +9,7 @@ from conftest import block_on_ground, load_on_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import INNER, Direction, Joint
+from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, NodeLayout

@@ -5,7 +5,7 @@ import pytest
 from conftest import point_at
 from stack import tilted_stack
 
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint import Joint, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components

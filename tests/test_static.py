@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from stack import tilted_stack
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
-from sidmacib.joint.joint import INNER, Direction, HoldDown, Joint
+from sidmacib.joint import INNER, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Failure, Kind, NodeLayout

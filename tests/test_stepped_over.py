@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.solution import Mode

@@ -9,7 +9,7 @@ from conftest import DISTINCT, run_guided
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.results import read_outcome
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import FIXED_PLATE, Direction, HoldDown, Joint
+from sidmacib.joint import FIXED_PLATE, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.springs import compliance

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.limit import limit_load

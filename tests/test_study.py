@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from sidmacib.contact_points import OPTIONS, READY_OPTIONS
 from sidmacib.engines.engine import Numerics
-from sidmacib.joint.joint import Joint, OwnLock, UpperBody
+from sidmacib.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section

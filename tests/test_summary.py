@@ -11,7 +11,7 @@ from analysis.summary import rule_errors
 from analysis.summary.summary import leading_models, summary
 from sidmacib.contact_points import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.rule import safe
 from workflow.cases import cases_of
 from workflow.configuration import read_study

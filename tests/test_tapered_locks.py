@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout, self_weight
 from sidmacib.mechanics.static import static_peak

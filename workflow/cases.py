@@ -8,7 +8,7 @@ from itertools import product
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine, Numerics
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import APART, cells_of

@@ -8,7 +8,7 @@ from typing import Any
 
 from sidmacib.contact_points import REDUCTIONS
 from sidmacib.engines import ENGINES
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare
 from sidmacib.joint.parameters import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout

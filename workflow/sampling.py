@@ -18,7 +18,7 @@ import pandas as pd
 from scipy.stats import qmc
 
 from sidmacib.errors import CapacityError, ResultError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import with_parameters
 from sidmacib.mechanics.assembly import Elastic, Failure, NodeLayout

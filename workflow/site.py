@@ -24,7 +24,7 @@ from sphinx.util.typing import ExtensionMetadata
 from sphinx.writers.html5 import HTML5Translator
 
 from sidmacib.design.file import DesignFile
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.validation import UNIONS, number_of

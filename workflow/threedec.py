@@ -14,7 +14,7 @@ import numpy as np
 from sidmacib.engines.render import ENVIRONMENT
 from sidmacib.engines.results import stress_to_force
 from sidmacib.errors import ResultError
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Assembly,

@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.published import Published
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.model import Ability
 from sidmacib.models import MODELS

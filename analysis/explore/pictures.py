@@ -15,9 +15,9 @@ from analysis.explore.state import SLIDERS, Settings
 from sidmacib.answers.joint import joint_answer, meshes, quick_path
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS
 from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
-from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Assembly

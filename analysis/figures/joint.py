@@ -14,7 +14,7 @@ from analysis.drawing import MM, boxes, label_of
 from analysis.figures import style
 from analysis.figures.style import FigureData, Stresses
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Rectangle as FaceRectangle

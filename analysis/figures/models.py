@@ -16,7 +16,7 @@ from analysis.figures.style import FigureData
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import UpperBody
+from sidmacib.joint import UpperBody
 from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import LAWS, REFERENCE_MODEL
 from workflow.case import REFERENCE

@@ -28,7 +28,7 @@ from analysis.summary import (
 )
 from analysis.summary.summary import AGREEMENT, leading_models
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.rule import RULES
 from sidmacib.rule.pairs import pairs_of
 from workflow.cases import cases_of

@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers

@@ -7,7 +7,7 @@ from analysis.drawing import label_of, option_name, rule_name
 from analysis.tables.capacity import law_capacity
 from sidmacib.contact_points import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.models import LAWS
 from workflow.cases import Place
 from workflow.results.joint_part import JointRecord

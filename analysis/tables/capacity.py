@@ -12,7 +12,7 @@ from sidmacib.contact_points import REDUCTIONS
 from sidmacib.contact_points.envelope import envelope
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.models import LAWS, MODELS, detailed
 from sidmacib.rule import RULES, LawCapacity
 from workflow.case import REFERENCE, case_name

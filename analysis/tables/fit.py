@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from analysis.tables import LoadErrors, misfit, study_points
 from sidmacib.contact_points import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, pair_loads
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
 from workflow.results.tables import BEST_FIT, FIT, VARIANTS

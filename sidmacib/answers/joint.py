@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.solution import StaticSolution

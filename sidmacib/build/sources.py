@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
 from sidmacib.structure.interfaces import NEAR, interfaces

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from sidmacib.engines import ENGINES
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:

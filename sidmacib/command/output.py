@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sidmacib.command.answers import Row
-    from sidmacib.joint.joint import Joint
+    from sidmacib.joint import Joint
 
 FORMATS = ("table", "json", "csv")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.quantities import is_number
 from sidmacib.validation import refused

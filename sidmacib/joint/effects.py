@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import AMOUNTS, Joint
+from sidmacib.joint import AMOUNTS, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.joint.pieces import reassemble

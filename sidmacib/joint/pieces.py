@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sidmacib.joint.joint import Hold, Joint, UpperBody
+from sidmacib.joint import Hold, Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     CLOSE,
     Assembly,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.pieces import lock_faces
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import Flags

@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads, self_weight

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from sidmacib.contact_points import OPTIONS, ContactOption
-from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER, HoldDown
+from sidmacib.joint import DRY, FIXED_PLATE, INNER, HoldDown
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
 from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block

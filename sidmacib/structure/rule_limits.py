@@ -16,7 +16,7 @@ import shapely
 from scipy.spatial import ConvexHull
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.polygons import ResultantLimits

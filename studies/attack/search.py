@@ -23,7 +23,7 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import Direction, Hold, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
 from sidmacib.mechanics.static import static_first_failure

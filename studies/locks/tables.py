@@ -16,7 +16,7 @@ import pandas as pd
 
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Failure, Floats
 from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
 from workflow.step import Arguments, Files, step

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule import first_failure, law

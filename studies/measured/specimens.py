@@ -17,7 +17,7 @@ from typing import NamedTuple
 import pandas as pd
 from scipy.stats import norm
 
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.rule.reliability import scatter
 from studies.markdown import direction as named

@@ -26,7 +26,7 @@ from sidmacib.build import Clearance, Solid, solids
 from sidmacib.build.sources import joint_blocks
 from sidmacib.build.views import view
 from sidmacib.drawing import BLACK, BLUE, GREY, ORANGE, VERMILION
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.quantities import FORMULA, Length, Number, one_of, shown
 from sidmacib.reading import Section, Some, Text

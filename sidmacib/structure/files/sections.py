@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from sidmacib.contact_points import OPTIONS
-from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER, HeldDown
+from sidmacib.joint import DRY, FIXED_PLATE, INNER, HeldDown
 from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.crushing import CompressiveStrength, CrushedMaterial
 from sidmacib.quantities import Count, Length, Number, one_of, shown
