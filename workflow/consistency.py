@@ -46,8 +46,10 @@ def inconsistencies(study: Study) -> Iterator[str]:
             yield f"samples.{name}: {' '.join(str(error).split())}"
     yield from _joints(study, joints)
     yield from _lists(study)
+    layouts = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
+    densest = max(layouts, key=lambda layout: len(CELL_RULES[layout][0]))
     for key, meshes in _everywhere(study, "meshes"):
-        yield from _meshes(key, meshes, _densest(study), joints)
+        yield from _meshes(key, meshes, densest, joints)
     yield from _models(study)
     for name, sample in study.samples.items():
         yield from _models_of_sample(study, name, sample.models)
@@ -208,12 +210,6 @@ def _lists(study: Study) -> Iterator[str]:
                 seen[f"{value:g}"] = value
 
 
-def _densest(study: Study) -> NodeLayout:
-    """The layout with most nodes among those of the study and its variants."""
-    every = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
-    return max(every, key=lambda layout: len(CELL_RULES[layout][0]))
-
-
 def _meshes(
     key: str, meshes: tuple[float, ...], nodes: NodeLayout, joints: dict[str, Joint]
 ) -> Iterator[str]:
@@ -350,11 +346,7 @@ def structure_faults(study: Study) -> Iterator[str]:
     """Everything that is wrong with the structures of ``study``, one line each."""
     for name, section in study.structures.items():
         key = f"structures.{name}"
-        for number, model in enumerate(section.models or ()):
-            if model not in ABLE:
-                yield f"{key}.models: {shown(model)} is not allowed; it must be {' or '.join(ABLE)}"
-            elif model in (section.models or ())[:number]:
-                yield f"{key}.models: {model} appears twice; each name must appear only once"
+        yield from _names(f"{key}.models", section.models or (), ABLE)
         if REFERENCE in section.variants:
             yield f"{key}.variants: the name {REFERENCE} is reserved; choose another name"
         if section.description is None:

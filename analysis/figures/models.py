@@ -207,7 +207,11 @@ def stiffness(material: FigureData) -> Figure:
     shares.set_ylim(0.0, 1.05)
     for axes in (loads, weights, shares):
         if axes.axison:
-            _stiffness_axis(axes, sorted(set(rows["stiffness_ratio"].dropna())), stiffest)
+            ratios = sorted(set(rows["stiffness_ratio"].dropna()))
+            axes.set_xscale("log")
+            axes.set_xticks([*ratios, RIGID * stiffest], [*(f"{r:g}" for r in ratios), "rigid"])
+            axes.set_xticks([], minor=True)
+            axes.set_xlabel("E / (Kn b)")
     _key(figure, rows)
     style.caption(
         figure,
@@ -276,13 +280,6 @@ def _curves(rows: pd.DataFrame) -> Iterator[tuple[tuple[str, UpperBody], str]]:
     for sample, colour in zip(samples, style.COLOURS * 3, strict=False):
         for body in BODIES:
             yield (sample, body), colour
-
-
-def _stiffness_axis(axes: Axes, ratios: list[float], stiffest: float) -> None:
-    axes.set_xscale("log")
-    axes.set_xticks([*ratios, RIGID * stiffest], [*(f"{r:g}" for r in ratios), "rigid"])
-    axes.set_xticks([], minor=True)
-    axes.set_xlabel("E / (Kn b)")
 
 
 def _key(figure: Figure, rows: pd.DataFrame) -> None:

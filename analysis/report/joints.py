@@ -213,19 +213,16 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
     spread = capacity["peak_spread"].dropna()
     if spread.empty:
         return []
+    largest = spread.max()
+    most = f"at most {100 * largest:.2f} %" if largest >= LEAST_SHOWN else "less than 0.005 %"
     return [
         {
             "title": "Uniqueness of the static peak",
-            "text": f"Peaks found from several starting points differ by {_at_most(spread.max())}. "
+            "text": f"Peaks found from several starting points differ by {most}. "
             "The lowest one is reported.",
-            "kind": "good" if spread.max() < AGREEMENT else "note",
+            "kind": "good" if largest < AGREEMENT else "note",
         }
     ]
-
-
-def _at_most(share: float) -> str:
-    """A largest share in words, also where it is rounded to nothing."""
-    return f"at most {100 * share:.2f} %" if share >= LEAST_SHOWN else "less than 0.005 %"
 
 
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:

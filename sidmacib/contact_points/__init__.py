@@ -101,11 +101,6 @@ def contact_points(joint: Joint, option: ContactOption) -> ContactPoints:
     return ContactPoints(position, lock, np.tile(option.portions, joint.locks))
 
 
-def no_reduction(joint: Joint, weights: Weights) -> tuple[float, ...]:
-    """All locks count in full."""
-    return (1.0,) * joint.locks
-
-
 def floor_of_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
     """As many locks count as the weights (the paper's W_sum) add up to, rounded down.
 
@@ -133,17 +128,12 @@ def lower_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
     return tuple(0.0 if joint.is_upper(j) else w for j, w in enumerate(weights, start=1))
 
 
-def weight_per_lock(joint: Joint, weights: Weights) -> tuple[float, ...]:
-    """Every lock counts by its weight."""
-    return tuple(weights)
-
-
 REDUCTIONS: dict[str, Callable[[Joint, Weights], tuple[float, ...]]] = {
-    "none": no_reduction,
+    "none": lambda joint, _: (1.0,) * joint.locks,
     "floor_of_sum": floor_of_sum,
     "half": half_rule,
     "lower_sum": lower_sum,
-    "per_lock": weight_per_lock,
+    "per_lock": lambda _, weights: tuple(weights),
 }
 
 

@@ -215,14 +215,10 @@ def search(space: Space, seed: int, evaluations: int) -> Attack:
         polish=False,
         rng=np.random.default_rng([seed, SPACES.index(space)]),  # a separate one for each space
     )
-    _to_the_limits(ratios)
-    return ratios
-
-
-def _to_the_limits(ratios: Attack) -> None:
-    """Put the worst joint on the limits of the ranges, one after the other, where it gets worse."""
+    # The worst joint on the limits of the ranges, one after the other, where it gets worse.
     for dimension, end in itertools.product(range(DIMENSIONS), (0.0, 1.0)):
         ratios([*ratios.place[:dimension], end, *ratios.place[dimension + 1 :]])
+    return ratios
 
 
 def row_of(worst: Attack) -> dict[str, Any]:

@@ -77,8 +77,7 @@ def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
         name: clean(getattr(each, name), NOISE)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio")
     }
-    forces: dict[str, Any] = {name: clean(getattr(each, name), NOISE * strength) for name in FORCES}
+    forces: dict[str, Any] = {
+        name: clean(getattr(each, name), NOISE * strength) for name in ("shear_x_N", "shear_y_N")
+    }
     return replace(each, **shares, **forces)
-
-
-FORCES = ("shear_x_N", "shear_y_N")
