@@ -21,7 +21,7 @@ import yaml
 import sidmacib
 from analysis.explore.pictures import answers, pictures
 from analysis.explore.state import Settings
-from analysis.tables.fit import best_pair
+from analysis.tables.comparisons import best_pair
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
 from benchmarks.usage import seconds, used

@@ -24,7 +24,7 @@ from .joint.effects import sensitivity as sensitivity
 from .joint.loading import Loading as Loading
 from .joint.loading import lateral_load as lateral_load
 from .joint.pieces import assemble as assemble
-from .joint.weights import lock_weights as lock_weights
+from .joint.pieces import lock_weights as lock_weights
 from .mechanics.assembly import Assembly as Assembly
 from .mechanics.assembly import Elastic as Elastic
 from .mechanics.assembly import FaceMaterial as FaceMaterial

@@ -19,7 +19,7 @@ from analysis.tables.collect import (
     weight_sums,
     weights_table,
 )
-from analysis.tables.fit import best_pair, fit_table
+from analysis.tables.comparisons import best_pair, fit_table
 from sidmacib.contact_points import ContactOption, active
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from workflow.cases import cases_of

@@ -16,10 +16,20 @@ from click.testing import CliRunner
 from conftest import ROOT
 from matplotlib.figure import Figure
 
-from sidmacib.build import Clearance, Solid, kinds, laid, letters, own_axes, solids
+from sidmacib.build import (
+    Clearance,
+    Found,
+    Solid,
+    blocks_of_file,
+    joint_blocks,
+    kinds,
+    laid,
+    letters,
+    own_axes,
+    solids,
+)
 from sidmacib.build.files import obj_text, step, stl, threemf
 from sidmacib.build.sheet import draw_sheet, spelled
-from sidmacib.build.sources import Found, blocks_of_file, joint_blocks
 from sidmacib.build.views import cut_place, section, view
 from sidmacib.command.main import main
 from sidmacib.joint import Joint, OwnLock, Side

@@ -18,7 +18,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.effects import sensitivity
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import lock_weights
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.rule import law, safe

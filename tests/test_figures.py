@@ -15,7 +15,7 @@ from analysis.figures.joint import _cells
 from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
-from analysis.tables.fit import variants_table
+from analysis.tables.comparisons import variants_table
 from sidmacib.engines import ENGINES
 from sidmacib.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces

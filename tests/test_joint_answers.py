@@ -13,7 +13,7 @@ from analysis.explore.state import Settings
 from sidmacib.answers.joint import JointAnswer, joint_answer, meshes
 from sidmacib.joint import Direction
 from sidmacib.joint.loading import Loading
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models.static import solve
 from workflow.results import record_of

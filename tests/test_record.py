@@ -22,8 +22,7 @@ from sidmacib.engines.results import (
 from sidmacib.errors import ResultError
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
-from sidmacib.joint.pieces import assemble
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import assemble, lock_weights
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static

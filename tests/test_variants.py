@@ -13,7 +13,7 @@ from analysis.figures import FigureSpec
 from analysis.figures.models import fracture_energy, stiffness
 from analysis.figures.style import FigureData
 from analysis.tables.collect import weight_sums, weights_table
-from analysis.tables.fit import variants_table
+from analysis.tables.comparisons import variants_table
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.models import detailed
 from workflow.case import JointCase

@@ -19,7 +19,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.loading import Loading
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import lock_weights
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.rule import RULES, LawCapacity, first_failure, law, require_covered

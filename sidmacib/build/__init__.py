@@ -1,4 +1,4 @@
-"""Each block as one closed solid: its own locks added, those of its neighbours cut out.
+"""Each block of a joint or a structure as one closed solid: its own locks added, others' cut out.
 
 Solids of one kind differ only in where they are; each kind has axes to draw it along.
 
@@ -11,20 +11,23 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
+from pathlib import Path
 
 import manifold3d
 import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.structure.blocks import Block
+from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.crossing import grouped
 from sidmacib.structure.cutting import Plane, cut
-from sidmacib.structure.interfaces import NEAR, mean_size
-from sidmacib.structure.locks import LockPart, Row, cut_off
+from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
+from sidmacib.structure.interfaces import NEAR, interfaces, mean_size
+from sidmacib.structure.locks import LockPart, Locks, Row, cut_off
 from sidmacib.structure.overlaps import common_volume, solid_of
-from sidmacib.structure.structure import Pair
+from sidmacib.structure.structure import Pair, rows_of
 from sidmacib.validation import refused, require_not_negative
 
 GROWN = 1e-11  # over a block's size: so that parts which touch overlap; far above rounding
@@ -348,3 +351,43 @@ def _alike(one: Solid, other: Solid) -> bool:
         if (one.manifold - turned.manifold).volume() <= ALIKE * one.volume:
             return True
     return False
+
+
+Found = tuple[list[Block], dict[Pair, Row], float]  # with the tolerance of interfaces
+LOWER, UPPER = "lower", "upper"
+
+
+def blocks_of_file(path: Path) -> Found | None:
+    """The blocks of a structure's file and where its locks are; None if it describes a joint.
+
+    ValueError, or `sidmacib.yaml_text.TextError`, if it is neither.
+    """
+    description = description_in(path)
+    if isinstance(description, dict) and "blocks" not in description:
+        return None
+    return blocks_and_rows(description, path.parent)
+
+
+def joint_blocks(joint: Joint) -> Found:
+    """The lower and the upper block of ``joint``, and where its locks are.
+
+    The lower body, whose thickness no model needs, is as high as the upper one; columns are parts
+    of the upper block. ValueError for locks of a density of their own.
+    """
+    for lock in joint.numbers:
+        if (density := joint.lock_density(lock)) != joint.density:
+            raise refused(f"different: lock {lock}: density", density, "that of its block")
+    x, width, middle = joint.a / 2, joint.total_width, joint.h / 2
+    blocks = [
+        box(LOWER, (-x, 0.0, -joint.H), (x, width, middle), joint.density),
+        box(UPPER, (-x, 0.0, middle), (x, width, joint.h + joint.H), joint.density),
+    ]
+    locks = Locks(
+        joint.locks,
+        joint.h,
+        row=(0.0, 1.0, 0.0),
+        first=str(joint.first),
+        widths=tuple(map(joint.width, joint.numbers)),
+    )
+    rows = rows_of(blocks, {frozenset((LOWER, UPPER)): locks}, interfaces(blocks))
+    return blocks, rows, NEAR

@@ -206,7 +206,7 @@ def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     `CapacityError` if there is none.
     """
     from sidmacib.answers.joint import joint_answer
-    from sidmacib.joint.weights import lock_weights
+    from sidmacib.joint.pieces import lock_weights
 
     found = joint_answer(joint, Loading(Direction(ratio), push=push))
     return [

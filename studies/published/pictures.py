@@ -22,8 +22,7 @@ from PIL import Image, ImageSequence
 
 from analysis.drawing import MM
 from analysis.vtk import displacements
-from sidmacib.build import Clearance, Solid, solids
-from sidmacib.build.sources import joint_blocks
+from sidmacib.build import Clearance, Solid, joint_blocks, solids
 from sidmacib.build.views import view
 from sidmacib.drawing import BLACK, BLUE, GREY, ORANGE, VERMILION
 from sidmacib.joint import Direction, Joint

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sidmacib.joint.weights import LockWeight, lock_weights
+from sidmacib.joint.pieces import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Outcome
