@@ -17,7 +17,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static import lowest_peak as module
+from sidmacib.mechanics.static import peaks as module
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import (
     LOWER,

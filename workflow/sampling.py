@@ -176,7 +176,7 @@ def solved_rows(
 
 
 def parameters(one: SampledJoint) -> dict[str, Any]:
-    """The joint's parameters; ratios as in `workflow.sampling.Sampling`."""
+    """The joint's parameters; ratios as in `workflow.schema.sections.SamplingSection`."""
     joint, inner = one.joint, one.joint.inner
     stored = inner.cohesion**2 / (2.0 * inner.shear_stiffness)
     return {
