@@ -1,6 +1,7 @@
 """Samplings: joints that fill spans of their parameters evenly, by a seeded Sobol sequence.
 
-A job solves a batch of them in all directions, on two meshes; another joins the batches.
+A job solves a batch of them in all directions, on two meshes; another joins the batches into a table,
+one row for each joint and direction, loads over T0.
 
 Any part of a sampling can be made alone, so batches do not depend on each other. Sizes are relative
 to the width b of a lock, stiffnesses to the normal stiffness of inner faces, pressures to the
@@ -34,6 +35,9 @@ from workflow.step import Arguments, FileLists, Files, step
 Limits = tuple[float, float]
 DIMENSIONS = 13
 POISSON = 0.2
+BELOW = 0.999  # of a side: a mesh must be less than the side
+# Without the spread of the static model's peaks, which would take longer than all else.
+SOLVED = {"static": static.solve_once, "limit": limit.solve}
 
 
 @dataclass(frozen=True)
@@ -136,11 +140,6 @@ def _elastic(sampling: SamplingSection, base: Joint, place: float) -> Elastic | 
         return None
     ratio = _between(sampling.stiffness_ratio, place)
     return Elastic(ratio * base.inner.normal_stiffness * base.b, POISSON)
-
-
-BELOW = 0.999  # of a side: a mesh must be less than the side
-# Without the spread of the static model's peaks, which would take longer than all else.
-SOLVED = {"static": static.solve_once, "limit": limit.solve}
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:

@@ -41,7 +41,7 @@ from workflow.step import Arguments, Files, step
 CHECKOUT = Path(__file__).parents[2]
 PACKAGES = ("numpy", "scipy", "cvxpy", "pandas", "plotly", "snakemake")
 HERE = Path(__file__).parent
-DRAWING = HERE.parents[1] / "sidmacib/scene"  # shared with the explorer and the command
+DRAWING = CHECKOUT / "sidmacib/scene"  # shared with the explorer and the command
 SCRIPTS = (DRAWING / "chart.js", DRAWING / "parts.js", HERE / "report.js")
 SCRIPTS_OF_PARTS = {  # each part has a template, too
     "joints": (HERE / "joints.js", HERE / "paths.js"),

@@ -39,6 +39,7 @@ from workflow.schema import Study
 from workflow.step import Arguments, Files, step
 
 FEWEST = 3  # directions that an option is judged by
+SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
 
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
@@ -185,9 +186,6 @@ def _errors(promised: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, A
         promised_loads = rows.set_index("case")["load_N"].reindex(loads.index).to_numpy(dtype=float)
         if np.isfinite(promised_loads).all():
             yield {"option": option, **vars(misfit(promised_loads, loads.to_numpy(dtype=float)))}
-
-
-SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
 
 
 def validation_table(

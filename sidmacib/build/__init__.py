@@ -35,6 +35,10 @@ SMOOTHED = 1e-9  # over a block's size: what parts that overlap leave at their e
 WELDED = 2e-7  # over a block's size: vertices that are the same in 32-bit numbers
 DIGITS = 10  # of coordinates, of the block's size
 SHARED = 1e-9  # over a block's volume: what two solids may share
+ALIKE = 1e-4  # over the volume: what blocks of one kind may differ by
+RIGHT = 1e-3  # cosine: directions at right angles
+TURNS = np.round(Rotation.create_group("O").as_matrix())  # those of a cube
+Found = tuple[list[Block], dict[Pair, Row], float]  # with the tolerance of interfaces
 
 
 @dataclass(frozen=True)
@@ -254,11 +258,6 @@ def require_apart(made: Sequence[Solid], fixed: set[str]) -> None:
             raise ValueError(f"blocks: {words}")
 
 
-ALIKE = 1e-4  # over the volume: what blocks of one kind may differ by
-RIGHT = 1e-3  # cosine: directions at right angles
-TURNS = np.round(Rotation.create_group("O").as_matrix())  # those of a cube
-
-
 @dataclass(frozen=True, eq=False)
 class Kind:
     """Blocks of one shape, the first of which is drawn; ``axes`` of the drawing, (3, 3)."""
@@ -353,7 +352,6 @@ def _alike(one: Solid, other: Solid) -> bool:
     return False
 
 
-Found = tuple[list[Block], dict[Pair, Row], float]  # with the tolerance of interfaces
 LOWER, UPPER = "lower", "upper"
 
 

@@ -33,6 +33,8 @@ _LINKS = (
     'Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'
 )
 _HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n'
+SEWN = 1e-4  # mm: edges of triangles nearer than this are one
+TIME = re.compile(rb"(FILE_NAME\([^,]*,)'[^']*'")
 
 
 def label(solid: Solid, count: int) -> str:
@@ -103,10 +105,6 @@ def threemf(solids: Sequence[Solid], unit: str) -> bytes:
             entry.compress_type = zipfile.ZIP_DEFLATED
             package.writestr(entry, text)
     return stream.getvalue()
-
-
-SEWN = 1e-4  # mm: edges of triangles nearer than this are one
-TIME = re.compile(rb"(FILE_NAME\([^,]*,)'[^']*'")
 
 
 def step(solids: Sequence[Solid], unit: str) -> bytes:

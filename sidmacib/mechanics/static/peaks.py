@@ -37,6 +37,10 @@ MOST = 500  # searches for an equilibrium: more end the search for the lowest pe
 # first path. Those behind the first failure cost most, so that this is about the cost of that path.
 MOST_ELASTIC = 1
 DIGITS = 4  # of a spread after the decimal point: peaks are known to 1e-5
+AT_STRENGTH = 1e-2  # nodes whose utilisations differ by less fail together
+PRECISION = 1e-4  # of the loads, over the peak
+LEAST_LOAD_LEFT = 0.02  # of the peak: less counts as nothing
+HIGHEST = 1.5  # of the peak: the bonds that are left never carry more than whole ones do
 
 
 class FromElsewhere:
@@ -107,14 +111,15 @@ def _lowest(solver: Solver, scale: float, first: StaticSolution, most: int) -> S
     return replace(lowest, spread=round(float(highest / lowest.peak.load) - 1.0, DIGITS))
 
 
-AT_STRENGTH = 1e-2  # nodes whose utilisations differ by less fail together
-PRECISION = 1e-4  # of the loads, over the peak
-LEAST_LOAD_LEFT = 0.02  # of the peak: less counts as nothing
-HIGHEST = 1.5  # of the peak: the bonds that are left never carry more than whole ones do
-
-
 def after_peak(assembly: Assembly, loads: Loads, peak: Equilibrium) -> Iterator[Equilibrium]:
     """The points behind ``peak``, until a failure leaves less than `LEAST_LOAD_LEFT` of it.
+
+    Under a load that stays, a joint at its peak fails as a whole. Here the load goes down, or up,
+    to the one at which the next node reaches its strength, once the nodes before it have lost
+    theirs. Each such point is an equilibrium, reached from no load with the bonds that are left, as
+    in sequentially linear analysis (Rots, J.G., 2001, Heron 46(2), 69-90). The displacement may
+    decrease from one point to the next: a test that holds the displacement would jump over such
+    points. Friction has no history here.
 
     ``assembly``: with brittle bonds; others give nothing. ``peak``: of its path under ``loads``.
     Every point has at least one bonded node less than the one before.
