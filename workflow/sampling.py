@@ -1,7 +1,7 @@
 """Samplings: joints that fill spans of their parameters evenly, by a seeded Sobol sequence.
 
-A job solves a batch of them in all directions, on two meshes; another joins the batches into a table,
-one row for each joint and direction, loads over T0.
+A job solves a batch of them in all directions, on two meshes; another joins the batches into a
+table: one row for each joint and direction, loads over T0.
 
 Any part of a sampling can be made alone, so batches do not depend on each other. Sizes are relative
 to the width b of a lock, stiffnesses to the normal stiffness of inner faces, pressures to the
