@@ -21,6 +21,7 @@ MM = 1e3  # of a m
 PICTURE = Path(__file__).parents[1] / "docs" / "images" / "joint_3d.svg"
 TURN, FALL = math.radians(28.0), math.radians(26.0)  # of the line of sight, about z and down
 LIFT = 0.55  # of the upper block, over a
+RATIO = 0.3  # e / a of V
 MARGIN = 0.3  # around the blocks, over a: for arrows
 INK, FIXED, BACK = "#1c1f24", "#9aa0aa", "#ffffff"
 SHADES = (1.0, 0.78, 0.62)  # of a box's top, front and side
@@ -88,8 +89,8 @@ def boxes(joint: Joint) -> Iterator[Box]:
             yield Box(locks.get(piece.name), piece.name in above, low, high)
 
 
-def sketch(joint: Joint, ratio: float = 0.3) -> str:
-    """``joint`` under V at the eccentricity ``ratio`` a, as an SVG element 640 px wide.
+def sketch(joint: Joint) -> str:
+    """``joint`` under V at the eccentricity `RATIO` a, as an SVG element 640 px wide.
 
     In parallel projection, the furthest box first. The upper block is lifted off, so that locks
     show.
@@ -104,7 +105,7 @@ def sketch(joint: Joint, ratio: float = 0.3) -> str:
     top = max(box.high[2] for box in drawn)
     body = next(box.low[2] for box in drawn if box.upper and box.lock is None)
     width, length = MM * joint.total_width, MM * joint.a
-    parts += _shear((ratio * length, 0.0, (body + top) / 2.0), 0.8 * length)
+    parts += _shear((RATIO * length, 0.0, (body + top) / 2.0), 0.8 * length)
     parts += _torque((0.0, width / 2.0, top), 0.3 * length)
     ends = [tuple(zip(box.low, box.high, strict=True)) for box in drawn]
     corners = [seen(corner) for x, y, z in ends for corner in product(x, y, z)]

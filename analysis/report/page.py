@@ -202,11 +202,11 @@ def versions_of(tables: Mapping[str, pd.DataFrame]) -> list[tuple[str, str]]:
     ]
 
 
-def commit(checkout: Path = CHECKOUT) -> str:
-    """The commit of a checkout, and whether files differ from it; empty without Git."""
-    if not (checkout / ".git").exists():  # a folder above may be another project's
+def commit() -> str:
+    """The commit of this checkout, and whether files differ from it; empty without Git."""
+    if not (CHECKOUT / ".git").exists():  # a folder above may be another project's
         return ""
-    command = ("git", "-C", str(checkout), "describe", "--always", "--dirty=, changed since")
+    command = ("git", "-C", str(CHECKOUT), "describe", "--always", "--dirty=, changed since")
     try:
         found = subprocess.run(command, capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError):
