@@ -1,5 +1,7 @@
 # Included if the study has structures: their tables, files for ParaView and summary.
-from workflow.structures import support_cases
+from sidmacib.engines import ENGINES
+from sidmacib.engines.render import sources
+from workflow.cases import support_cases
 
 
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
@@ -43,6 +45,7 @@ rule structure_vtk:
 
 
 MOVING_SUPPORTS = [*support_cases(STUDY)]
+YADE_MODULES, YADE_FILES = sources(ENGINES["yade"])
 
 
 rule supports:
@@ -55,11 +58,18 @@ rule supports:
             [each.structure, each.load, each.description, variant, yade]
             for each, variant, yade in MOVING_SUPPORTS
         ],
-        code=code("analysis.tables.supports", StructureSubject.modules),
+        code=code(
+            "analysis.tables.structures",
+            (*StructureSubject.modules, *YADE_MODULES),
+            YADE_FILES,
+        ),
+        versions=lambda wildcards: (
+            ENGINES["yade"].versions() if any(yade for *_, yade in MOVING_SUPPORTS) else {}
+        ),
     message:
         "Move the supports of structures"
     script:
-        "../tables/supports.py"
+        "../tables/structures.py"
 
 
 rule structure_summary:
