@@ -241,7 +241,6 @@ class LiggghtsDeck:
             "read_data joint.atoms",
             f"neighbor {SKIN:g} bin",
             f"neigh_modify delay {LOOK} every {LOOK}",
-            "neigh_modify exclude molecule all",  # spheres of one piece
         )
         yield from self._laws()
         yield f"timestep {self.search.time_step_s!r}"

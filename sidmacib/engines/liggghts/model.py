@@ -17,7 +17,7 @@ INPUT_SCRIPT, DATA_FILE, RESTART = "joint.in", "joint.atoms", "joint.restart"
 SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut
 # Shares of the longest wait: what moves then still goes on against less drag, and so faster; what
 # then does not slow down does not come to rest.
-SOON, LATER = 0.03, 0.2
+SOON, LATER = 0.05, 0.2
 LESS_DRAG = 0.1  # share of the drag then
 LOOKS = 10  # at least, in every time as long as all that was waited before
 
@@ -190,7 +190,8 @@ class LiggghtsModel:
         if changed := self.surroundings.look(motions):
             for node in changed:
                 self.engine.send(*self._changed(node, motions))
-            self.engine.send("unfix bodies", BODIES)  # where they were made anew, atoms stay
+            if self.assembly.dry:  # atoms that were set go back without
+                self.engine.send("unfix bodies", BODIES)
             self.engine.fresh = True
         return EngineOutcome.MEETING if self.met else None
 

@@ -188,6 +188,11 @@ class GivenAssembly:
         """Indices of the pieces that can move."""
         return [index for index, piece in enumerate(self.pieces) if not piece.fixed]
 
+    @cached_property
+    def dry(self) -> bool:
+        """Whether no face is bonded."""
+        return not any(face.cohesive for face in self.faces)
+
     def plane_m(self, face: int) -> Vector:
         """A point of the plane of a face, by index."""
         return self._planes[face]

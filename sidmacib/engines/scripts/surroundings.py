@@ -12,7 +12,8 @@ from .motion import STILL, Fall, PieceMotion, built, moved, spun, way
 from .records import EngineOutcome
 
 # Over the mean size of pieces, how far a vertex may be outside a side: one that was built inside;
-# one that was built at its edge, as a corner of both pieces; one that takes the place of another.
+# one beside bonds, or that was built at its edge, as a corner of both pieces; one that takes the
+# place of another.
 BEYOND_EDGE, BEYOND_CORNER, AT_EDGE = 0.002, 0.05, 0.0002
 MET = 0.01  # over that size: pieces that overlap by more have met
 LOOK = 0.005  # over that size: the motion from one look at the surroundings to the next
@@ -53,7 +54,9 @@ class Surroundings:
             if number not in self.lost and (edge := _edge_passed(self.assembly, node, motions)):
                 off.append(number)
                 other = _on_edge(self.assembly, node, motions, edge)
-                if _edge_passed(self.assembly, other, motions, new=True):
+                # Beside bonds, which stay where they are, nodes are close to each other.
+                bonds = not self.assembly.dry
+                if bonds or _edge_passed(self.assembly, other, motions, new=True):
                     self.lost.add(number)
                 else:
                     self.nodes[number] = other
@@ -116,7 +119,7 @@ def _edge_passed(
 
     corner = sum(beyond(node.position_m, edge) >= -AT_EDGE for edge in own) > 1
     for edge in flat:
-        both = corner and beyond(node.position_m, edge) >= -AT_EDGE
+        both = not assembly.dry or (corner and beyond(node.position_m, edge) >= -AT_EDGE)
         if beyond(place, edge) > (AT_EDGE if new else BEYOND_CORNER if both else BEYOND_EDGE):
             return edge
     return None
