@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import settings
+from small import TWO_MESHES
 from structures import WITH_STRUCTURES
 
 from sidmacib.engines import ENGINES
@@ -314,12 +315,10 @@ def outputs_of(config: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
 @pytest.fixture(scope="session")
 def solved_study(made_once: Callable[..., Path]) -> tuple[Study, Path]:
     """A study without engines, and its results but figures."""
-    config = {
+    config = TWO_MESHES | {
         "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
-        "meshes": [0.02, 0.01],
         "eccentricities": [0, 0.3, "torsion"],
         "models": ["static", "limit"],
-        "dem": {"engines": []},
         "sidmacib": {"reductions": ["none", "half", "lower_sum"]},
     }
     targets = "summary.txt", "report.html"

@@ -5,12 +5,11 @@ import math
 import pytest
 from complementary_energy import FrictionRule, first_failure_load, least_energy_forces
 from conftest import block_on_ground, load_on_block
+from joints import loaded
 
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Kind, NodeLayout
+from sidmacib.joint.joint import Joint
+from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.static.model import static_peak
@@ -19,9 +18,7 @@ from sidmacib.mechanics.static.model import static_peak
 @pytest.mark.parametrize("locks", [3, 4])
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: float) -> None:
-    joint = Joint(locks)
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
+    model, loads = loaded(Joint(locks), eccentricity)
     path = static_peak(model, loads).path
     load = 0.6 * path[-1].load
     solver = RigidSolver(model, loads)
@@ -34,8 +31,7 @@ def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: f
 
 
 def test_associated_friction_overestimates(joint: Joint) -> None:
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(0.0)))
+    model, loads = loaded(joint)
     coulomb, associated = (first_failure_load(model, loads, rule) for rule in FrictionRule)
     path = static_peak(model, loads)
     assert coulomb == pytest.approx(path.first_failure_load, rel=0.01)  # but for its history

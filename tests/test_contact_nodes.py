@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import loaded
 
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.contact_nodes import cell_counts, contact_nodes, side_rule
@@ -20,8 +20,7 @@ NODES = {NodeLayout.CENTRES: 4, NodeLayout.VERTICES: 5, NodeLayout.LOBATTO: 9}  
 
 
 def solved(joint: Joint, mesh: float, nodes: NodeLayout, eccentricity: float) -> StaticSolution:
-    model = assemble(joint, mesh, nodes)
-    return static_peak(model, lateral_load(joint, model, Loading(Direction(eccentricity))))
+    return static_peak(*loaded(joint, eccentricity, mesh, nodes))
 
 
 @given(st.sampled_from(LAYOUTS), st.integers(1, 40))

@@ -15,17 +15,12 @@ from pathlib import Path
 import pytest
 import yaml
 from conftest import ROOT
+from small import BOTH, COARSE
 from tables import tables_of
 
 BASE = "docker.io/library/debian:12-slim"
 IMAGE, CONTAINER = "localhost/multilock-test", "multilock-test"
-STUDY = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
-    "models": ["static", "limit"],
-    "dem": {"engines": ["yade", "liggghts"]},
-    "eccentricities": [0, "torsion"],
-}
+STUDY = COARSE | BOTH | {"models": ["static", "limit"], "eccentricities": [0, "torsion"]}
 PLACE = "/study"  # in the container
 pytestmark = [
     pytest.mark.machine,

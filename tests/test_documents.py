@@ -2,8 +2,6 @@
 
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +10,7 @@ from axe_playwright_python.sync_playwright import Axe
 from chromium import CHROMIUM, Opened
 from click.testing import CliRunner
 from conftest import ROOT
+from processes import python, ran
 from promises import require_kept
 
 from sidmacib.command.main import main
@@ -140,10 +139,8 @@ def test_the_command_prints_what_pages_show() -> None:
 def test_the_site_is_built_without_a_warning(
     tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
-    done = subprocess.run(
-        [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
-    )
+    command = ("-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html")
+    done = python(*command, DOCS, tmp_path)
     assert done.returncode == 0, done.stderr
     assert "sidmacib.joint.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
@@ -207,9 +204,7 @@ def test_the_page_of_columns_has_every_table_and_no_broken_row() -> None:
 def test_make_knows_every_command() -> None:
     wanted = {tuple(words) for page in PAGES for words in commands(page, "make")}
     for words in wanted:
-        done = subprocess.run(
-            ["make", "--dry-run", *words], cwd=ROOT, capture_output=True, text=True, check=False
-        )
+        done = ran("make", "--dry-run", *words)
         assert done.returncode == 0, f"make {' '.join(words)}: {done.stderr}"
 
 

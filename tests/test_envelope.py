@@ -86,14 +86,11 @@ def test_every_capacity_lies_on_the_envelope(locks: int) -> None:
     found = envelope(model)
     edges = list(zip(found.vertices, np.roll(found.vertices, -1, axis=0), strict=True))
     assert found.programmes <= len(found.vertices) + len(edges)
+    s = np.array([joint.T0, joint.T0 * joint.a])
     for eccentricity in (0.0, 0.1, 0.8, math.inf):
         point = capacity(model, Direction(eccentricity))
-        at = np.array([point.shear, point.torque]) / [joint.T0, joint.T0 * joint.a]
-        distances = [
-            np.cross(np.append((end - start) / s, 0), np.append(at - start / s, 0))[2]
-            for start, end in edges
-            for s in [np.array([joint.T0, joint.T0 * joint.a])]
-        ]
+        at = np.array([point.shear, point.torque]) / s
+        distances = [np.linalg.det([(end - start) / s, at - start / s]) for start, end in edges]
         assert min(distances) == pytest.approx(0.0, abs=1e-6)
 
 
@@ -127,10 +124,8 @@ def test_without_friction_every_contact_point_adds_two_edges(
 
 
 def around_a_circle(noise: float):
-    random = np.random.default_rng(1)
-    exact = support_of(
-        np.array([(math.cos(t), math.sin(t)) for t in np.linspace(0, 2 * math.pi, 51)])
-    )
+    random, turns = np.random.default_rng(1), np.linspace(0, 2 * math.pi, 51)
+    exact = support_of(np.column_stack([np.cos(turns), np.sin(turns)]))
     return lambda normal: exact(normal) + noise * random.uniform(-1, 1, 2)
 
 

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from processes import ROOT, ran
 
 PYTHON = '#!/bin/sh\nmkdir -p .venv/bin && cp pip .venv/bin/pip && echo "$@" >> calls\n'
 PIP = """#!/bin/sh
@@ -27,14 +27,8 @@ def made(
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_text(text)
         (folder / path).chmod(0o755)
-    return subprocess.run(
-        ["sh", str(ROOT / "workflow/environment.sh")],
-        check=False,
-        cwd=folder,
-        env={**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "PYTHON": python},
-        capture_output=True,
-        text=True,
-    )
+    path = f"{folder / 'bin'}:{os.environ['PATH']}"
+    return ran("sh", ROOT / "workflow/environment.sh", cwd=folder, PATH=path, PYTHON=python)
 
 
 @pytest.mark.parametrize(
@@ -75,13 +69,6 @@ def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
 
 
 def test_a_python_that_is_not_there_is_named() -> None:
-    environment = {**os.environ, "PYTHON": "no-such-python"}
-    found = subprocess.run(
-        ["sh", str(ROOT / "workflow/system.sh")],
-        check=False,
-        env=environment,
-        capture_output=True,
-        text=True,
-    )
+    found = ran("sh", ROOT / "workflow/system.sh", PYTHON="no-such-python")
     assert found.returncode == 1
     assert found.stderr == "PYTHON=no-such-python: there is no such program\n"

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.rule.law import ELASTIC, JointFailure, first_failure
@@ -35,9 +34,7 @@ def failure(joint: Joint, eccentricity: float = 0.0, push: Push = Push.PLUS_Y) -
 
 def on_mesh(joint: Joint, loading: Loading, cells: int) -> float:
     """The static model's first failure (N) on so many cells along a lock's shorter side."""
-    assembly = assemble(joint, joint.least_side / cells)
-    loads = lateral_load(joint, assembly, loading)
-    return static_first_failure(assembly, loads).point.load
+    return static_first_failure(*posed(joint, loading, joint.least_side / cells)).point.load
 
 
 @pytest.mark.parametrize("body", BODIES)
@@ -167,15 +164,9 @@ def test_the_first_failure_is_the_same_however_bonds_fail(how: Failure) -> None:
         ({"locks": 1}, r"locks: must be at least 2 for the law \(got 1\)"),
         ({"different": {2: OwnLock(width=0.03)}}, "different: must be none"),
         ({"upper_body": UpperBody.JOINED}, "upper_body: must be columns or monolithic"),
-        (
-            {"inner": replace(INNER, friction=0.2)},
-            "inner.friction: must be 0",
-        ),
+        ({"inner": replace(INNER, friction=0.2)}, "inner.friction: must be 0"),
         ({"inner": replace(INNER, cohesion=0.0)}, "inner.cohesion: must be more than 0"),
-        (
-            {"inner": replace(INNER, tensile_strength=0.0)},
-            "inner.tensile_strength: must be more",
-        ),
+        ({"inner": replace(INNER, tensile_strength=0.0)}, "inner.tensile_strength: must be more"),
     ],
 )
 def test_what_the_law_is_not_made_for_is_refused(others: dict[str, Any], words: str) -> None:

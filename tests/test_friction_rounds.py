@@ -9,11 +9,11 @@ import pytest
 from conftest import block_on_ground, load_on_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import loaded
 
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.joint import HoldDown, Joint, UpperBody
+from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
@@ -49,17 +49,6 @@ SOUND = Joint(
 )
 
 
-def loaded(
-    joint: Joint,
-    e_over_a: float,
-    mesh: float,
-    push: Push = Push.MINUS_Y,
-    layout: NodeLayout = NodeLayout.VERTICES,
-) -> tuple[Assembly, Loads]:
-    model = assemble(joint, mesh, layout)
-    return model, lateral_load(joint, model, Loading(Direction(e_over_a), push=push))
-
-
 def require_equilibrium(model: Assembly, loads: Loads, point: Equilibrium) -> None:
     """The point's forces balance the loads, and no node carries what it cannot.
 
@@ -84,7 +73,7 @@ def first_failure(model: Assembly, loads: Loads) -> FirstFailure:
 
 @pytest.mark.parametrize("layout", NodeLayout)
 def test_rough_locks_in_torsion_carry_until_a_bond_fails(layout: NodeLayout) -> None:
-    model, loads = loaded(ROUGH, math.inf, 0.033, layout=layout)
+    model, loads = loaded(ROUGH, math.inf, 0.033, layout, Push.MINUS_Y)
     found = first_failure(model, loads)
     assert found.mode is Mode.BONDS
     # Four nodes on a lock, at cells' centres, miss the corners.
@@ -94,14 +83,14 @@ def test_rough_locks_in_torsion_carry_until_a_bond_fails(layout: NodeLayout) -> 
 
 @pytest.mark.study
 def test_a_finer_path_on_which_the_solver_gives_up_is_not_taken() -> None:
-    model, loads = loaded(ROUGH, math.inf, 0.033, layout=NodeLayout.CENTRES)
+    model, loads = loaded(ROUGH, math.inf, 0.033, push=Push.MINUS_Y)
     found = static_first_failure(model, loads)
     assert found.mode is Mode.BONDS
     assert 14.0 < found.point.load / ROUGH.T0 < 18.0
 
 
 def test_a_sound_joint_stands_under_its_own_weight() -> None:
-    model, loads = loaded(SOUND, 0.4984, 0.15, Push.PLUS_Y, NodeLayout.LOBATTO)
+    model, loads = loaded(SOUND, 0.4984, 0.15, NodeLayout.LOBATTO)
     found = first_failure(model, loads)
     # An independent solver has 20,094 N.
     assert found.point.load == pytest.approx(20_094.0, rel=2e-3)
@@ -111,7 +100,7 @@ def test_a_sound_joint_stands_under_its_own_weight() -> None:
 def test_a_joint_without_weight_carries_what_one_of_next_to_none_does() -> None:
     joint = Joint(3, density=0.0, hold_down=HoldDown.weight())
     found, light = (
-        first_failure(*loaded(each, math.inf, 0.02, Push.PLUS_Y))
+        first_failure(*loaded(each, math.inf, 0.02, NodeLayout.VERTICES))
         for each in (joint, replace(joint, density=1e-6))
     )
     assert found.point.load == pytest.approx(light.point.load, rel=1e-6)
@@ -125,7 +114,7 @@ def test_every_equilibrium_of_rough_locks_obeys_the_law(
 ) -> None:
     inner = replace(ROUGH.inner, shear_stiffness=1e10 * shear)
     joint = replace(ROUGH, locks=locks, inner=inner, dry=replace(ROUGH.dry, friction=friction))
-    model, loads = loaded(joint, math.inf, 0.033)
+    model, loads = loaded(joint, math.inf, 0.033, NodeLayout.VERTICES, Push.MINUS_Y)
     found = static_peak(model, loads)
     for point in found.path:
         require_equilibrium(model, loads, point)

@@ -75,10 +75,8 @@ def test_the_volume_cut_is_that_of_all_locks() -> None:
 def test_the_fewest_locks_do_and_one_lock_fewer_does_not(demand: Demand) -> None:
     found = fewest_locks(WEIGHTLESS, demand).found
     assert found is not None and found.joint.locks > 2
-    for joint, meets in (
-        (found.joint, True),
-        (replace(found.joint, locks=found.joint.locks - 1), False),
-    ):
+    fewer = replace(found.joint, locks=found.joint.locks - 1)
+    for joint, meets in ((found.joint, True), (fewer, False)):
         assert (safe(joint, demand.direction(joint)).load >= demand.load(joint)) is meets
 
 
@@ -104,11 +102,8 @@ def test_in_pure_shear_each_pair_of_one_smooth_rigid_piece_adds_the_same() -> No
     ("size", "strength", "ratio"), [(0.13, 7.0, 0.0), (8.0, 0.2, 0.3), (2.5, 1.0, 0.15)]
 )
 def test_answers_scale_with_sizes_and_strengths(size: float, strength: float, ratio: float) -> None:
-    inner = replace(
-        INNER,
-        cohesion=strength * INNER.cohesion,
-        tensile_strength=strength * INNER.tensile_strength,
-    )
+    strengths = ("cohesion", "tensile_strength")
+    inner = replace(INNER, **{name: strength * getattr(INNER, name) for name in strengths})
     sizes = {name: size * getattr(WEIGHTLESS, name) for name in ("a", "b", "h", "H")}
     scaled = replace(WEIGHTLESS, inner=inner, **sizes)
     one = fewest_locks(WEIGHTLESS, Demand(240.0, ratio=ratio))

@@ -35,15 +35,8 @@ def two_blocks(joint: Joint) -> list[Block]:
 
 
 def locks_of(joint: Joint, condensed: Condensed | None = None) -> Locks:
-    return Locks(
-        joint.locks,
-        joint.h,
-        row=(0.0, 1.0, 0.0),
-        first="upper",
-        inner=joint.inner,
-        dry=joint.dry,
-        condensed=condensed,
-    )
+    materials = {"inner": joint.inner, "dry": joint.dry, "condensed": condensed}
+    return Locks(joint.locks, joint.h, row=(0.0, 1.0, 0.0), first="upper", **materials)
 
 
 def with_loads_of(problem: Problem, other: Assembly) -> Loads:
@@ -164,11 +157,8 @@ def test_a_block_across_a_joint_of_two_others_can_have_locks_to_both() -> None:
     def brick(name: str, x: float, z: float, *, fixed: bool) -> Block:
         return box(name, (x, 0.0, z), (x + 0.4, 0.3, z + 0.2), 2e3, fixed=fixed)
 
-    bricks = [
-        brick("left", 0.0, 0.0, fixed=True),
-        brick("right", 0.4, 0.0, fixed=True),
-        brick("top", 0.2, 0.2, fixed=False),
-    ]
+    below = [brick("left", 0.0, 0.0, fixed=True), brick("right", 0.4, 0.0, fixed=True)]
+    bricks = [*below, brick("top", 0.2, 0.2, fixed=False)]
     locks = Locks(3, 0.02, row=(0.0, 1.0, 0.0))
     pairs = [frozenset(("left", "top")), frozenset(("right", "top"))]
     model = structure(bricks, dry(0.5), locked=dict.fromkeys(pairs, locks))

@@ -10,9 +10,8 @@ import pytest
 from analysis.summary.summary import spread_lines
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.joint.joint import INNER, Direction, Elastic, Joint, UpperBody
-from sidmacib.joint.loading import Loading, lateral_load, posed
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout
+from sidmacib.joint.loading import Loading, posed
+from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
@@ -28,6 +27,7 @@ from sidmacib.mechanics.static.lowest_peak import (
 )
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.models.static import solve
+from sidmacib.problem import Problem
 from workflow.case import Case, JointSubject
 from workflow.results.joint_part import JointRecord
 from workflow.steps.solve import solved
@@ -35,10 +35,8 @@ from workflow.steps.solve import solved
 NODES, FINE = NodeLayout.LOBATTO, 0.0124875
 
 
-def loaded(locks: int, ratio: float, mesh: float = 0.02) -> tuple[Assembly, Loads]:
-    joint = Joint(locks)
-    assembly = assemble(joint, mesh, NODES)
-    return assembly, lateral_load(joint, assembly, Loading(Direction(ratio)))
+def loaded(locks: int, ratio: float, mesh: float = 0.02) -> Problem:
+    return posed(Joint(locks), Loading(Direction(ratio)), mesh, NODES)
 
 
 @pytest.fixture(scope="module")

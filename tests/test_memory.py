@@ -8,8 +8,7 @@ import pytest
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Elastic, Joint, UpperBody
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.elastic import solver
 from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed
 from sidmacib.mechanics.static.model import static_peak
@@ -20,22 +19,18 @@ def joint(locks: int, body: UpperBody = UpperBody.COLUMNS) -> Joint:
 
 
 def test_elastic_pieces_that_no_machine_holds_are_refused_before_anything_is_allocated() -> None:
-    nine_locks = joint(9)
-    assembly = assemble(nine_locks, 0.002)
-    loads = lateral_load(nine_locks, assembly, Loading(Direction(0.0)))
+    problem = posed(joint(9), Loading(Direction(0.0)), 0.002)
     tracemalloc.start()
     words = r"[\d,]+ components .* need [\d.]+ GiB of memory or more, and this machine has [\d.]+ "
     with pytest.raises(CapacityError, match=f"^elastic pieces with {words}GiB; .* coarser mesh$"):
-        static_peak(assembly, loads)
+        static_peak(*problem)
     assert tracemalloc.get_traced_memory()[1] < 1e9
     tracemalloc.stop()
 
 
 @pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
 def test_the_memory_that_is_asked_for_is_a_close_bound(body: UpperBody) -> None:
-    three_locks = joint(3, body)
-    assembly = assemble(three_locks, 0.02)
-    loads = lateral_load(three_locks, assembly, Loading(Direction(0.0)))
+    assembly, loads = posed(joint(3, body), Loading(Direction(0.0)), 0.02)
     tracemalloc.start()
     static_peak(assembly, loads)
     _, most = tracemalloc.get_traced_memory()

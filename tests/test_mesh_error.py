@@ -69,9 +69,7 @@ def test_one_mesh_or_close_ones_tell_nothing() -> None:
     assert set(estimates({3.0: 1.0, 5.0: 1.0})) == {3.0, 5.0}
 
 
-def test_the_error_goes_by_the_cells_that_there_are_and_not_by_the_mesh_that_was_asked_for() -> (
-    None
-):
+def test_the_error_goes_by_the_cells_that_there_are_not_by_the_mesh_asked_for() -> None:
     assert cells_of(Joint(3), 0.04) == 2.0  # both sides, 0.06 and 0.05 m
     assert cells_of(Joint(3), 0.02) == 3.0  # not twice as many
     assert cells_of(Joint(3, a=0.04, b=0.05), 0.0125) == pytest.approx(4.0)
@@ -100,12 +98,9 @@ def test_the_second_mesh_is_the_coarser_one_where_the_finer_one_is_ten_times_as_
 
 # --- of cases ------------------------------------------------------------------------------------
 def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nodes() -> None:
-    records = [
-        *(made_up(0.02, load=101.0), made_up(0.01, load=100.0)),
-        made_up(0.02, "limit", 120.0),
-        made_up(0.02, "yade", 100.5, name="soft", variant="soft"),
-    ]
-    found = errors_of(records)
+    soft = made_up(0.02, "yade", 100.5, name="soft", variant="soft")
+    static = (made_up(0.02, load=101.0), made_up(0.01, load=100.0))
+    found = errors_of([*static, made_up(0.02, "limit", 120.0), soft])
     cells = math.sqrt(30.0)  # at 0.01 m; 3 at 0.02 m
     expected = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
     assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(expected))
@@ -160,17 +155,11 @@ def loads_of(
     return found.first_failure_load, found.peak.load
 
 
-@pytest.mark.parametrize(
-    "nodes",
-    [
-        NodeLayout.LOBATTO,
-        pytest.param(NodeLayout.CENTRES, marks=pytest.mark.study),
-        pytest.param(NodeLayout.VERTICES, marks=pytest.mark.study),
-    ],
-)
-def test_mesh_errors_of_random_joints_are_upper_estimates_of_the_true_ones(
-    nodes: NodeLayout,
-) -> None:
+SLOW = [pytest.param(n, marks=pytest.mark.study) for n in (NodeLayout.CENTRES, NodeLayout.VERTICES)]
+
+
+@pytest.mark.parametrize("nodes", [NodeLayout.LOBATTO, *SLOW])
+def test_mesh_errors_of_random_joints_are_upper_estimates(nodes: NodeLayout) -> None:
     missed = {"first failure": 0, "peak": 0}
     for joint, direction, (exact_first, exact_peak) in random_joints():
         coarse, fine = (loads_of(joint, direction, parts, nodes) for parts in (2, 4))

@@ -60,9 +60,8 @@ def test_a_solver_that_calls_a_wrong_point_optimal_is_not_believed(
         return _Answer("optimal", **moved)
 
     monkeypatch.setattr(optimisation, "_answer", off)
-    with pytest.raises(
-        SolverError, match=r"^here: no solver's verdict passes its check \(\w+: optimal"
-    ):
+    words = r"^here: no solver's verdict passes its check \(\w+: optimal"
+    with pytest.raises(SolverError, match=words):
         solve(made()[0], "here")
 
 
@@ -86,10 +85,8 @@ def test_an_aim_without_limit_is_unbounded(cone: bool) -> None:
 def test_a_refusal_without_proof_is_not_believed(
     verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    nothing = np.zeros(0)
-    monkeypatch.setattr(
-        optimisation, "_answer", lambda solver, raw: _Answer(verdict, nothing, nothing)
-    )
+    given = _Answer(verdict, np.zeros(0), np.zeros(0))
+    monkeypatch.setattr(optimisation, "_answer", lambda solver, raw: given)
     with pytest.raises(SolverError, match=f"HIGHS: {verdict}"):
         solve(linear()[0], "here")
 

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import loaded
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
-from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.loading import Loading, LoadShare, Push, posed
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
@@ -37,8 +38,7 @@ different_joints = st.builds(
 
 
 def solved(joint: Joint, loading: Loading, mesh: float = 0.02) -> StaticSolution:
-    model = assemble(joint, mesh, NodeLayout.CENTRES)
-    return static_peak(model, lateral_load(joint, model, loading))
+    return static_peak(*posed(joint, loading, mesh, NodeLayout.CENTRES))
 
 
 def weights(joint: Joint, loading: Loading) -> tuple[LockWeight, ...]:
@@ -100,8 +100,6 @@ def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
 
 
 # --- the first lock ------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("locks", range(2, 8))
 @pytest.mark.parametrize("first", Side)
 @pytest.mark.parametrize("push", Push)
@@ -109,8 +107,7 @@ def test_as_many_locks_count_as_pairs_bear_in_the_direction_of_the_push(
     locks: int, first: Side, push: Push
 ) -> None:
     joint = Joint(locks, first=first)
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    found = limit_load(model, lateral_load(joint, model, Loading(Direction(0.0), push=push))).load
+    found = limit_load(*loaded(joint, push=push)).load
     order = joint.numbers if push is Push.PLUS_Y else joint.numbers[::-1]
     upper = [joint.is_upper(lock) for lock in order]
     pairs = sum(one and not other for one, other in pairwise(upper))
@@ -133,10 +130,9 @@ def test_the_weaker_lock_of_a_pair_decides(factor: float) -> None:
     weak = OwnLock(inner=replace(INNER, cohesion=factor * INNER.cohesion))
     joint = Joint(2, dry=replace(DRY, friction=0.0), different={2: weak})
     expected = min(factor, 1.0) * joint.T0
-    model = assemble(joint, 0.02, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(0.0), LoadShare.BODY))
-    assert limit_load(model, loads).load == pytest.approx(expected, rel=1e-6)
-    assert static_peak(model, loads).peak.load == pytest.approx(expected, rel=1e-4)
+    problem = posed(joint, Loading(Direction(0.0), LoadShare.BODY), 0.02, NodeLayout.CENTRES)
+    assert limit_load(*problem).load == pytest.approx(expected, rel=1e-6)
+    assert static_peak(*problem).peak.load == pytest.approx(expected, rel=1e-4)
 
 
 def test_weights_are_over_a_locks_own_strength() -> None:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import count as count_from
 
 import cvxpy as cp
 import numpy as np
@@ -52,21 +53,15 @@ def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> f
     admissible = programme(model)
     load = cp.Parameter()
     each = np.array([direction.shear, direction.torque * model.joint.a]) / admissible.units.plane
-    problem = cp.Problem(
-        cp.Minimize(0),
-        [
-            *admissible.constraints,
-            admissible.loads == each * load,
-        ],
-    )
-    count = 0
-    while True:
-        load.value = (count + 1) * step
+    carried = [*admissible.constraints, admissible.loads == each * load]
+    problem = cp.Problem(cp.Minimize(0), carried)
+    for count in count_from(1):
+        load.value = count * step
         try:
             solve(problem, "step")
         except InfeasibleError:
-            return count * step
-        count += 1
+            break
+    return (count - 1) * step
 
 
 def test_a_joint_asked_one_direction_at_a_time_is_made_into_a_programme_once(
@@ -161,8 +156,8 @@ def test_three_points_with_unequal_portions_are_possible(joint: Joint) -> None:
     option = ContactOption((-0.4, 0.0, 0.4), (0.25, 0.5, 0.25))
     model = Sidmacib(joint, option, friction=False)
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(720.0)
-    torsion = capacity(model, TORSION)
-    assert torsion.torque == pytest.approx(3 * joint.T0 * 2 * 0.25 * 0.4 * joint.a)
+    torque = 3 * joint.T0 * 2 * 0.25 * 0.4 * joint.a
+    assert capacity(model, TORSION).torque == pytest.approx(torque)
 
 
 def test_three_points_give_a_curve_of_two_straight_parts(joint: Joint) -> None:

@@ -29,7 +29,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.problem import Outcome, State
 from workflow.case import Case, JointCase, JointSubject
-from workflow.results.record import Record, record_of, record_without_result
+from workflow.results.record import BENCHMARKS, Record, read_times, record_of, record_without_result
 from workflow.steps.solve import solved
 
 JOINT = Joint(3)
@@ -79,9 +79,8 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
     assert 0 < np.count_nonzero(outcome.path[-1].bonded) < len(assembly.nodes.area)
     assert record.load_N == expected.load_N
     assert record.mode == "bonds"
-    assert [w.weight for w in record.part.weights] == pytest.approx(
-        [w.weight for w in expected.part.weights]
-    )
+    weights = [lock.weight for lock in expected.part.weights]
+    assert [lock.weight for lock in record.part.weights] == pytest.approx(weights)
     assert record.unbalanced_share < 1e-9
     assert record.part.torque_Nm == pytest.approx(record.part.shear_N * 0.5 * JOINT.a)
 
@@ -161,12 +160,10 @@ def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
 def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
     case = case_of(ratio)
     record, assembly, found = solved(case, static.solve)
-    force = found.path[-1].force
+    force, strength = found.path[-1].force, JOINT.T0
     assert force is not None
-    strength = JOINT.T0
-    for recorded, lock in zip(
-        record.part.weights, lock_weights(JOINT, assembly, force), strict=True
-    ):
+    locks = lock_weights(JOINT, assembly, force)
+    for recorded, lock in zip(record.part.weights, locks, strict=True):
         assert (recorded.lock, recorded.block) == (lock.lock, lock.block)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio"):
             assert getattr(recorded, name) == pytest.approx(getattr(lock, name), abs=1e-9)
@@ -243,3 +240,12 @@ def test_stresses_of_every_model_balance_every_piece(solver) -> None:
     for ratio in (0.0, 0.5, math.inf):
         record = solved(case_of(ratio), solver.solve)[0]
         assert record.unbalanced_share < 1e-6
+
+
+def test_times_are_those_of_the_jobs_that_were_measured(tmp_path: Path) -> None:
+    folder, head = tmp_path / BENCHMARKS / "cases/yade", "s\th:m:s\tcpu_time\n"
+    folder.mkdir(parents=True)
+    (folder / "one.tsv").write_text(f"{head}2.5\t0:00:02\t1.5\n")
+    (folder / "two.tsv").write_text(f"{head}0.1\t0:00:00\tNA\n")  # it ended at once
+    assert list(read_times(tmp_path)) == [("yade", 2.5, 1.5)]
+    assert list(read_times(tmp_path / "nothing")) == []

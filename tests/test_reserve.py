@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import yaml
 from command_runner import run
-from structures import dry, example
+from structures import GROUND, dry, example
 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.analysis.reserve import geometrical_factor, least_push, pushes
@@ -17,7 +17,6 @@ from sidmacib.structure.loads import acceleration, free_weight, permanent_only
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 
-GROUND = box("ground", (-3.0, -3.0, -1.0), (3.0, 3.0, 0.0), 2e3, fixed=True)
 MILANKOVITCH = 0.10746  # least thickness over the mean radius of a semicircular arch, 100 voussoirs
 
 
@@ -41,10 +40,8 @@ def test_a_stack_that_leans_has_the_factor_of_its_eccentricity() -> None:
 def test_the_least_acceleration_is_found_between_the_directions_that_are_tried() -> None:
     """A triangular prism overturns about its nearest edge, which no direction of 45 degrees has."""
     turn = math.radians(20.0)
-    corners = [
-        (math.cos(turn + k * 2 * math.pi / 3), math.sin(turn + k * 2 * math.pi / 3), 0.0)
-        for k in range(3)
-    ]
+    turns = [turn + k * 2 * math.pi / 3 for k in range(3)]
+    corners = [(math.cos(each), math.sin(each), 0.0) for each in turns]
     model = structure([GROUND, prism("block", corners, (0.0, 0.0, 4.0), 2e3)], dry(0.7))
     loads = permanent_only(model)
     tried = pushes(model, loads)

@@ -8,8 +8,7 @@ import pytest
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load, posed
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
@@ -25,8 +24,7 @@ def test_the_joint_carries_what_is_safe_and_fails_where_the_law_says(
     locks: int, eccentricity: float, body: UpperBody
 ) -> None:
     joint, direction = Joint(locks, upper_body=body), Direction(eccentricity)
-    assembly = assemble(joint, 0.02)
-    static = static_peak(assembly, lateral_load(joint, assembly, Loading(direction)))
+    static = static_peak(*posed(joint, Loading(direction), 0.02))
     assert safe(joint, direction).load < static.peak.load
     assert law(joint, direction).load == pytest.approx(static.first_failure_load, rel=0.05)
 
@@ -109,8 +107,7 @@ def test_a_joint_that_nothing_but_pressure_holds_down_may_rock(eccentricity: flo
         Joint(3, H=0.08, hold_down=hold)
         for hold in (HoldDown.plate(), HoldDown.pressure(2e4), HoldDown.pressure(2e5))
     )
-    assembly = assemble(light, 0.02)
-    static = static_peak(assembly, lateral_load(light, assembly, Loading(direction)))
+    static = static_peak(*posed(light, Loading(direction), 0.02))
     assert law(light, direction).load == pytest.approx(static.first_failure_load, rel=0.05)
     assert law(light, direction).load < 0.95 * law(heavy, direction).load
     assert safe(light, direction).load < static.peak.load

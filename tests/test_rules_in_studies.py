@@ -90,7 +90,6 @@ def test_a_rule_that_refuses_a_case_says_why(tmp_path: Path) -> None:
 
 
 def test_a_case_that_no_rule_has_is_refused_with_what_is_near(tmp_path: Path) -> None:
-    with pytest.raises(
-        ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is not a case; .* n3-mesh0.02-e0a"
-    ):
+    words = r"^CASE: 'n3-mesh0.2-e0a' is not a case; .* n3-mesh0.02-e0a"
+    with pytest.raises(ConfigError, match=words):
         find_place(study_of(), "n3-mesh0.2-e0a")

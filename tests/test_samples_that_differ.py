@@ -5,6 +5,7 @@ import math
 import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
+from small import SMALL
 
 from analysis.figures.catalogue import figures_of
 from analysis.published import comparisons, difference_text, read_published
@@ -12,6 +13,7 @@ from analysis.summary.summary import leading_models, summary
 from analysis.tables.capacity import sidmacib_rows
 from analysis.tables.collect import weights_table
 from sidmacib.models import detailed
+from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results.joint_part import JointRecord
@@ -26,28 +28,18 @@ PUBLISHED = read_published()
 @pytest.fixture
 def study() -> Study:
     fits = {"locks": 3, "dry": {"friction": 0.005236}, "models": ["static"]}
-    return read_study(
-        {
-            "samples": {"n3": {"locks": 3}, "n3_fits": fits},
-            "meshes": [0.02],
-            "eccentricities": [0, 0.5, "torsion"],
-            "models": ["static"],
-            "dem": {"engines": ["yade"]},
-        }
-    )
+    samples = {"n3": {"locks": 3}, "n3_fits": fits}
+    return read_study(SMALL | {"samples": samples, "dem": {"engines": ["yade"]}})
 
 
 @pytest.fixture
 def results(study: Study) -> list[JointRecord]:
     """Peaks that fall with the mesh and with the friction."""
-    return [
-        record_with(
-            case,
-            0.5,
-            240.0 * (1.0 + 5.0 * case.subject.mesh) - 10.0 * (case.subject.sample != "n3"),
-        )
-        for case in cases_of(study).values()
-    ]
+
+    def peak(case: JointCase) -> float:
+        return 240.0 * (1.0 + 5.0 * case.subject.mesh) - 10.0 * (case.subject.sample != "n3")
+
+    return [record_with(case, 0.5, peak(case)) for case in cases_of(study).values()]
 
 
 @pytest.fixture
@@ -114,16 +106,12 @@ def test_samples_with_the_same_locks_stand_beside_each_other(
     }
     (peak,) = (line for line in found.lines if line.quantity == "dem_pure_shear_N")
     assert (peak.mesh, peak.published) == ("0.02", 240.76)
-    assert {sample: row.computed for sample, row in peak.rows.items()} == {
-        "n3": 264.0,
-        "n3_fits": 254.0,
-    }
+    computed = {sample: row.computed for sample, row in peak.rows.items()}
+    assert computed == {"n3": 264.0, "n3_fits": 254.0}
     assert difference_text(peak.rows["n3"]) == "+9.65 %"
 
 
 # --- in words ------------------------------------------------------------------------------------
-
-
 def test_a_mesh_error_above_two_percent_is_named_with_what_helps(
     tables: dict[str, pd.DataFrame],
 ) -> None:

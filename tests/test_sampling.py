@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
+from small import SMALL
 
 from sidmacib.contact_points.options import OPTIONS, active
 from sidmacib.contact_points.programme import Sidmacib, capacity
@@ -86,9 +87,8 @@ def test_elastic_pieces_and_softening_bonds_are_sampled_too() -> None:
     ],
 )
 def test_faults_in_a_sampling_are_named(section: dict[str, Any], words: str) -> None:
-    content = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": section}}
     with pytest.raises(ConfigError, match=words):
-        read_study(content)
+        read_study(SMALL | {"samplings": {"one": section}})
 
 
 @pytest.fixture(scope="module")
@@ -166,9 +166,7 @@ def test_the_study_of_the_law_is_planned_in_batches(tmp_path: Path) -> None:
 
 @pytest.mark.study
 def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Path) -> None:
-    few = {"eccentricities": [0], "models": ["static"], "dem": {"engines": []}}
-    config = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": {"joints": 65}}, **few}
-    made = outputs_of(config, tmp_path)
+    made = outputs_of(SMALL | {"samplings": {"one": {"joints": 65}}}, tmp_path)
     assert made["sampling"] == ["sampling/one-0000.parquet", "sampling/one-0001.parquet"]
     assert made["samplings"] == ["tables/samplings.csv"]
     assert not {"law_tables", "points", "law"} & made.keys()
@@ -176,7 +174,7 @@ def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Pa
 
 def test_a_campaign_that_there_is_not_is_refused() -> None:
     with pytest.raises(ConfigError, match="campaign: 'keys' is not allowed; it must be"):
-        read_study({"samples": {"n3": {"locks": 3}}, "campaign": "keys"})
+        read_study(SMALL | {"campaign": "keys"})
 
 
 def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:

@@ -19,11 +19,8 @@ def tower(stiffness: float, load: dict[str, Any]) -> dict[str, Any]:
             "ground": {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True},
             "tower": {"low": [0, 0, 0], "high": [WIDTH, 0.6, HEIGHT], "density": 2000},
         },
-        "interfaces": {
-            "normal_stiffness": stiffness,
-            "shear_stiffness": stiffness,
-            "friction": 0.7,
-        },
+        "interfaces": {f"{way}_stiffness": stiffness for way in ("normal", "shear")}
+        | {"friction": 0.7},
         "load": load,
     }
 

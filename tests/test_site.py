@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib as mpl
@@ -11,6 +9,7 @@ import matplotlib.pyplot as plt
 import pytest
 from conftest import ROOT
 from docutils.utils.math.latex2mathml import tex2mathml
+from processes import python
 from promises import require_kept
 
 import sidmacib
@@ -59,8 +58,7 @@ def test_the_notebook_runs_and_has_no_outputs() -> None:
 @pytest.mark.study
 def test_the_drawing_of_the_rules_is_current() -> None:
     found = (ROOT / "docs" / "images" / "rules.svg").read_text()
-    command = [sys.executable, "-m", "snakemake", "--rulegraph", "--forceall"]
-    text = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    text = python("-m", "snakemake", "--rulegraph", "--forceall", check=True).stdout
     names = dict(re.findall(r"^\s*(\d+)\[label = \"([^\"]+)\"", text, re.M))
     drawn = dict(re.findall(r"<title>(\d+)</title>.*?<text[^>]*>(\w+)<", found, re.S))
     assert set(drawn.values()) == set(names.values()), "draw them again, see CONTRIBUTING.md"

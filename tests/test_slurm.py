@@ -13,17 +13,12 @@ from pathlib import Path
 
 import pytest
 import yaml
+from small import BOTH, COARSE
 from tables import tables_of
 
 ROOT = Path(__file__).parents[1]
 CONFIGURATION = Path("/etc/slurm/slurm.conf")  # jobs look for it nowhere else
-STUDY = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
-    "models": ["static"],
-    "dem": {"engines": ["yade", "liggghts"]},
-    "eccentricities": [0, 0.5, "torsion"],
-}
+STUDY = COARSE | BOTH
 # The whole of a cluster: a controller and a node, both here.
 SLURM = """
 ClusterName=local

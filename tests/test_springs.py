@@ -54,15 +54,9 @@ def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
 
 
 def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
-    balance, contact_law, springs = (
-        equilibrium_matrix(model).toarray(),
-        ContactLaw.of(model),
-        Springs.of(model),
-    )
-    balance = balance[free_rows(model)] / springs.units[:, None]
-    stiffness = np.column_stack(
-        [contact_law.normal_stiffness, contact_law.shear_stiffness, contact_law.shear_stiffness]
-    )
+    law, springs = ContactLaw.of(model), Springs.of(model)
+    balance = equilibrium_matrix(model).toarray()[free_rows(model)] / springs.units[:, None]
+    stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
     expected = (balance * stiffness.ravel()) @ balance.T
     assert springs.elastic_stiffness() == pytest.approx(expected, rel=1e-9, abs=1e-6)
 
@@ -75,9 +69,8 @@ def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assemb
     here = point_at(contacts, slip, whole, unknowns)
     tangent_stiffness(contacts, slip, whole, here, 0.0, rigid_solver.matrix)
     expected = Springs.of(model).elastic_stiffness()
-    assert dense(rigid_solver)[np.ix_(rigid_solver.place, rigid_solver.place)] == pytest.approx(
-        expected, rel=1e-9, abs=1e-5
-    )
+    found = dense(rigid_solver)[np.ix_(rigid_solver.place, rigid_solver.place)]
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-5)
 
 
 def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) -> None:
@@ -121,31 +114,26 @@ def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
 @pytest.mark.parametrize("seed", range(2))
 def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: int) -> None:
     rigid_solver, random = solver(model), np.random.default_rng(seed)
-    rigid_solver.matrix.band[:] = random.normal(size=rigid_solver.matrix.band.shape)
-    rigid_solver.matrix.band[:, 2 * rigid_solver.contacts.band + 1 :] = 0.0  # filled by elimination
-    rigid_solver.matrix.right[:] = random.normal(size=rigid_solver.matrix.right.shape)
-    rigid_solver.matrix.below[:] = random.normal(size=rigid_solver.matrix.below.shape)
-    rigid_solver.matrix.band[::3, rigid_solver.contacts.band] = (
-        0.0  # small pivots, unless rows are exchanged
-    )
+    matrix, band = rigid_solver.matrix, rigid_solver.contacts.band
+    for part in (matrix.band, matrix.right, matrix.below):
+        part[:] = random.normal(size=part.shape)
+    matrix.band[:, 2 * band + 1 :] = 0.0  # filled by elimination
+    matrix.band[::3, band] = 0.0  # small pivots, unless rows are exchanged
     full, right = dense(rigid_solver), random.normal(size=len(rigid_solver.place))
     solution = right.copy()
-    assert solve_linear(rigid_solver.contacts, rigid_solver.matrix, solution)
+    assert solve_linear(rigid_solver.contacts, matrix, solution)
     assert full @ solution == pytest.approx(right, rel=1e-7, abs=1e-7)
 
 
 def test_equations_without_a_solution_are_reported(model: Assembly) -> None:
     rigid_solver = solver(model)
-    for part in (rigid_solver.matrix.band, rigid_solver.matrix.right, rigid_solver.matrix.below):
+    contacts, matrix = rigid_solver.contacts, rigid_solver.matrix
+    for part in (matrix.band, matrix.right, matrix.below):
         part[:] = 0.0
-    assert not solve_linear(
-        rigid_solver.contacts, rigid_solver.matrix, np.ones(len(rigid_solver.place))
-    )
-    rigid_solver.matrix.band[:, rigid_solver.contacts.band] = 1.0
-    solved = solve_linear(
-        rigid_solver.contacts, rigid_solver.matrix, np.ones(len(rigid_solver.place))
-    )
-    assert solved is (rigid_solver.contacts.outer == 0)
+    assert not solve_linear(contacts, matrix, np.ones(len(rigid_solver.place)))
+    matrix.band[:, contacts.band] = 1.0
+    solved = solve_linear(contacts, matrix, np.ones(len(rigid_solver.place)))
+    assert solved is (contacts.outer == 0)
 
 
 @pytest.mark.parametrize("locks", [7, 31])
@@ -156,8 +144,6 @@ def test_a_body_in_one_piece_goes_into_the_border(locks: int) -> None:
 
 
 def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
-    few, many = (
-        ordering(Springs.of(assemble(Joint(n), 0.03, NodeLayout.CENTRES))) for n in (7, 31)
-    )
+    few, many = (ordering(Springs.of(assemble(Joint(n), 0.03))) for n in (7, 31))
     assert few.band == many.band
     assert many.outer == 0

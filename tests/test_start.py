@@ -3,11 +3,11 @@
 import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from conftest import INSTALLED, ROOT
+from processes import python, ran
 
 SMALL = (
     "samples: {n3: {locks: 3}}\nmeshes: [0.02]\neccentricities: [0]\nmodels: [static]\n"
@@ -30,21 +30,9 @@ builtins.__import__ = slow
 PROGRAM = "from sidmacib.command import run; run()"
 
 
-def started(*command: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, *command],
-        cwd=ROOT,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-
-
 @pytest.mark.parametrize("late", ["click", "numpy"])
 def test_an_interrupt_while_a_program_loads_is_reported_in_one_line(late: str) -> None:
-    found = started("-c", INTERRUPTED + PROGRAM, late)
+    found = python("-c", INTERRUPTED + PROGRAM, late)
     assert found.returncode == 1
     assert found.stderr == "Aborted!\n"
 
@@ -69,12 +57,10 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
 
 
 def test_make_installs_nothing_for_a_study_that_is_not_there() -> None:
-    command = ["make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml"]
-    printed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    command = ("make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml")
+    printed = ran(*command, check=True).stdout
     first, *_ = [line for line in printed.splitlines() if re.search("not a file|environment", line)]
-    early = subprocess.run(
-        ["sh", "-c", first], env={"CONFIG": "my.yaml"}, check=False, capture_output=True, text=True
-    )
+    early = ran("sh", "-c", first, CONFIG="my.yaml")
     assert (early.returncode, early.stderr) == (1, "my.yaml: not a file\n")
 
 
@@ -82,7 +68,7 @@ def test_a_fault_that_only_the_cases_show_names_the_file(tmp_path: Path) -> None
     path = tmp_path / "study.yaml"
     path.write_text(SMALL + "overrides: {n3-mesh0.02-torsion: {ramp_periods: 50}}\n")
     asked = ["case", str(path), "--case", "n3-mesh0.02-e0a"]
-    assert started("-m", "analysis", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
+    assert python("-m", "analysis", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
     path.write_text(SMALL)
     asked[-1] = "n4"
-    assert started("-m", "analysis", *asked).stderr.startswith("CASE: 'n4' is not a case")
+    assert python("-m", "analysis", *asked).stderr.startswith("CASE: 'n4' is not a case")

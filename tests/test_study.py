@@ -10,6 +10,7 @@ import yaml
 from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
+from small import BOTH
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
 from sidmacib.engines.engine import Numerics
@@ -33,7 +34,6 @@ from workflow.schema.joint import (
 from workflow.schema.models import NumericsChanges, NumericsSection
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
-BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
 
 
 def merged(**change: Any) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
+from small import TWO_MESHES
 
 from analysis.summary.answers import rule_errors
 from analysis.summary.summary import leading_models, summary
@@ -18,20 +19,13 @@ from workflow.configuration import read_study
 from workflow.schema import Study
 
 COUNTED = {"weak": 0.75, "strong": 1.25}  # locks that count in results made up for each sample
-
-
 COUNT = "Is it safe to count (n - 1) / 2 of the n locks of a joint?"
 
 
 def study_of(**change: Any) -> Study:
-    config = {
-        "samples": {"weak": {"locks": 3}, "strong": {"locks": 3}},
-        "meshes": [0.02, 0.01],
-        "eccentricities": [0, 0.5, "torsion"],
-        "models": ["static", "law", "safe"],
-        "dem": {"engines": []},
-    }
-    return read_study({**config, **change})
+    samples = {"weak": {"locks": 3}, "strong": {"locks": 3}}
+    models = {"models": ["static", "law", "safe"]}
+    return read_study({**TWO_MESHES, "samples": samples, **models, **change})
 
 
 def tables_for(study: Study) -> dict[str, pd.DataFrame]:

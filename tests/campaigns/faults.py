@@ -23,16 +23,14 @@ from pathlib import Path
 
 import yaml
 from campaigns.counts import ROOT, asked, write_counts
+from small import COARSE
 from tables import tables_of
 
 from sidmacib.engines.scripts.records import RESULT
 from workflow.results.record import RECORD
 
-STUDY = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
+STUDY = COARSE | {
     "eccentricities": [0, "torsion"],
-    "models": ["static"],
     "dem": {"engines": ["yade"], "time_limit": 60},
     "sidmacib": {"reductions": ["none", "half"]},
 }
