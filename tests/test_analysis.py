@@ -96,9 +96,7 @@ def test_a_case_of_another_joint_is_no_witness(results) -> None:
     assert cases_table(results, witness)["difference_to_static"].isna().all()
 
 
-def test_a_case_without_a_result_leaves_a_hole_that_every_table_names(
-    study, results, tmp_path: Path
-) -> None:
+def test_a_case_without_a_result_is_a_hole_that_tables_name(study, results, tmp_path: Path) -> None:
     case = next(c for c in cases_of(study).values() if c.name == results[1].name)
     reason = "yade: out of time after 1 s"
     holed = [results[0], record_without_result(case, error=reason), results[2]]

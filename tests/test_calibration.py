@@ -95,9 +95,7 @@ def test_nothing_fits_the_weights_as_printed(table: pd.DataFrame) -> None:
     assert table["misfit_printed"].min() > 8.0
 
 
-def test_the_shipped_joint_that_fits_is_within_the_aims_and_the_printed_one_is_not(
-    table: pd.DataFrame,
-) -> None:
+def test_the_joint_that_fits_is_within_the_aims_and_the_printed_is_not(table: pd.DataFrame) -> None:
     printed, fits = table[table["candidate"].str.startswith("own")].to_dict("records")
     assert fits["fits"] and not printed["fits"]
     assert fits["largest_peak_difference"] < 0.005

@@ -142,9 +142,7 @@ def _assert_covered(
 
 @pytest.mark.engine
 @pytest.mark.parametrize("model", ENGINES)
-def test_what_an_engines_job_imports_and_reads_is_in_its_closure(
-    tmp_path: Path, model: str
-) -> None:
+def test_what_an_engines_job_imports_and_reads_is_in_closure(tmp_path: Path, model: str) -> None:
     joint = Joint(2, elastic=Elastic(1e10) if ENGINES[model].elastic else None)
     case = a_case(model, joint, Loading(Direction(0.0)), 0.04)
     arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}

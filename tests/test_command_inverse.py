@@ -76,19 +76,15 @@ def test_the_strongest_joint_is_said_to_reach_its_share_of_the_load(load: str) -
         (("-V", "3", "--vary", "a=1", "--price", "area=0"), "must be more than 0"),
     ],
 )
-def test_what_makes_no_question_is_refused_in_one_line(
-    arguments: tuple[str, ...], words: str
-) -> None:
+def test_what_makes_no_question_is_told_in_a_line(arguments: tuple[str, ...], words: str) -> None:
     found = run("joint", *arguments)
     assert found.exit_code in (1, 2)
     assert words in found.output.splitlines()[-1]
 
 
 def test_values_and_prices_are_read() -> None:
-    assert values_of(["a=0.04:0.06:0.01", "locks=3:5"]) == {
-        "a": (0.04, 0.05, 0.06),
-        "locks": (3, 4, 5),
-    }
+    found = values_of(["a=0.04:0.06:0.01", "locks=3:5"])
+    assert found == {"a": (0.04, 0.05, 0.06), "locks": (3, 4, 5)}
     assert prices_of(["volume=2e4", "area=100"]) == Prices(100.0, 2e4, 0.0)
     assert prices_of([]) == Prices()
 

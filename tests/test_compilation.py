@@ -90,9 +90,7 @@ def test_without_a_folder_to_write_to_they_are_compiled_for_the_process(kernels:
     assert not list(kernels.rglob("*.nb?"))
 
 
-def test_where_nothing_can_be_written_any_more_the_answer_is_given(
-    kernels: Path, tmp_path: Path
-) -> None:
+def test_where_nothing_can_be_written_the_answer_is_given(kernels: Path, tmp_path: Path) -> None:
     full = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))"
     assert answers(kernels.parent, full, NUMBA_CACHE_DIR=str(tmp_path / "c")) == "6.0"
     assert not list(tmp_path.rglob("*.nb?"))

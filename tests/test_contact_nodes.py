@@ -89,9 +89,7 @@ def test_no_cell_is_longer_than_the_mesh() -> None:
 
 @pytest.mark.parametrize("locks", [3, 5])
 @pytest.mark.parametrize("eccentricity", [0.0, 0.35, math.inf])
-def test_lobatto_nodes_find_the_first_failure_on_a_coarse_mesh(
-    locks: int, eccentricity: float
-) -> None:
+def test_lobatto_nodes_find_first_failure_on_coarse_meshes(locks: int, eccentricity: float) -> None:
     joint = Joint(locks)
     coarse, fine = (
         solved(joint, mesh, NodeLayout.LOBATTO, eccentricity).first_failure_load

@@ -136,9 +136,7 @@ def test_the_command_prints_what_pages_show() -> None:
 
 
 @pytest.mark.study
-def test_the_site_is_built_without_a_warning(
-    tmp_path: Path, request: pytest.FixtureRequest
-) -> None:
+def test_the_site_is_built_without_warnings(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     command = ("-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html")
     done = python(*command, DOCS, tmp_path)
     assert done.returncode == 0, done.stderr

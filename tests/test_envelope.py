@@ -22,9 +22,7 @@ def support_of(points: np.ndarray):
 
 @settings(max_examples=50)
 @given(arrays(float, (9, 2), elements=st.floats(-1, 1).map(lambda v: round(v, 2))))
-def test_all_vertices_are_found_with_as_few_questions_as_vertices_and_edges(
-    points: np.ndarray,
-) -> None:
+def test_vertices_are_found_with_as_few_questions_as_vertices_and_edges(points: np.ndarray) -> None:
     assume(np.linalg.matrix_rank(points - points[0], tol=1e-3) == 2)
     hull = ConvexHull(points)
     assume(hull.volume > 1e-3)
@@ -108,9 +106,7 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
     st.lists(st.integers(1, 50), min_size=2, max_size=6, unique=True),
     st.integers(2, 5),
 )
-def test_without_friction_every_contact_point_adds_two_edges(
-    distances: list[int], locks: int
-) -> None:
+def test_without_friction_a_contact_point_adds_two_edges(distances: list[int], locks: int) -> None:
     """V is the sum of the forces across, M of the forces times x: a zonogon, known by hand."""
     joint, positions = Joint(locks), [sign * x for x in distances for sign in (-1, 1)]
     count = len(positions)

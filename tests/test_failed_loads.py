@@ -56,9 +56,7 @@ def test_a_block_on_a_slope_slides_between_the_last_angle_and_the_failed_one() -
 
 
 @pytest.mark.parametrize("load", [PUSH, TILT], ids=["push", "tilt"])
-def test_first_failures_and_broken_bonds_are_at_loads_that_are_carried(
-    load: dict[str, Any],
-) -> None:
+def test_first_failures_and_broken_bonds_are_at_carried_loads(load: dict[str, Any]) -> None:
     found = structure_static.solve(structure_of({**BONDED, "load": load}))
     peak, first = found.path[-1].load, found.first_failure_load
     assert first is not None

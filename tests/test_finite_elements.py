@@ -41,9 +41,7 @@ def seen_at(cuboid: ElasticCuboid, nodes: Floats) -> Flexibility:
 @pytest.mark.parametrize(
     ("quadratic", "element"), [(True, skfem.ElementHex2()), (False, skfem.ElementHex1())]
 )
-def test_elements_are_those_of_the_library_in_three_dimensions(
-    quadratic: bool, element: skfem.Element
-) -> None:
+def test_elements_are_those_of_the_library_in_3d(quadratic: bool, element: skfem.Element) -> None:
     edges = grid(SIZE, 2, 1, 1)
     cuboid = ElasticCuboid(edges, POISSON, quadratic=quadratic)
     mesh = skfem.MeshHex.init_tensor(*map(np.array, edges))

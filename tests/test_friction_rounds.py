@@ -109,9 +109,7 @@ def test_a_joint_without_weight_carries_what_one_of_next_to_none_does() -> None:
 
 @settings(max_examples=3)
 @given(st.integers(9, 14), st.floats(0.3, 0.8), st.floats(0.002, 0.02))
-def test_every_equilibrium_of_rough_locks_obeys_the_law(
-    locks: int, friction: float, shear: float
-) -> None:
+def test_equilibria_of_rough_locks_obey_the_law(locks: int, friction: float, shear: float) -> None:
     inner = replace(ROUGH.inner, shear_stiffness=1e10 * shear)
     joint = replace(ROUGH, locks=locks, inner=inner, dry=replace(ROUGH.dry, friction=friction))
     model, loads = loaded(joint, math.inf, 0.033, NodeLayout.VERTICES, Push.MINUS_Y)

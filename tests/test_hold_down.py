@@ -24,9 +24,7 @@ WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight(
 # --- pieces and loads ----------------------------------------------------------------------------
 @pytest.mark.parametrize("hold_down", WITHOUT_PLATE)
 @pytest.mark.parametrize("body", UpperBody)
-def test_a_plate_is_there_only_where_it_holds_the_joint_down(
-    hold_down: HoldDown, body: UpperBody
-) -> None:
+def test_a_plate_is_only_where_it_holds_a_joint_down(hold_down: HoldDown, body: UpperBody) -> None:
     for hold, there in ((hold_down, False), (HoldDown(), True)):
         model = assemble(Joint(3, upper_body=body, hold_down=hold), 0.03, NodeLayout.CENTRES)
         assert any(piece.name == PLATE for piece in model.pieces) is there
@@ -92,9 +90,7 @@ def test_a_tall_joint_that_is_pushed_at_half_its_height_tips_about_its_outermost
 
 @pytest.mark.parametrize("push", Push)
 @pytest.mark.parametrize("first", Side)
-def test_a_joint_without_friction_rocks_where_its_self_weight_no_longer_balances(
-    push: Push, first: Side
-) -> None:
+def test_a_joint_without_friction_rocks_where_weight_is_too_little(push: Push, first: Side) -> None:
     """About the outermost nodes of the last foot that presses, with no bond at its strength."""
     joint = Joint(3, first=first, dry=replace(DRY, friction=0.0), hold_down=HoldDown.weight())
     problem = loaded(joint, 0.0, 0.02, push=push)

@@ -52,9 +52,7 @@ def test_a_block_that_overturns_has_its_resultant_at_the_edge() -> None:
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 45.0, 90.0])
-def test_the_eccentricity_is_over_the_distance_to_the_edge_that_way(
-    share: float, degrees: float
-) -> None:
+def test_eccentricity_is_over_the_distance_to_the_edge_there(share: float, degrees: float) -> None:
     """A weightless plate of 0.4 by 0.6 m is pressed at a point on a line from its middle."""
     assembly = on_ground((0.4, 0.6, 0.1), dry(0.5))
     nodes, middle = assembly.nodes, np.array([0.2, 0.3])

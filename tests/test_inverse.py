@@ -155,9 +155,7 @@ def test_a_bound_from_the_law_is_above_the_safe_load() -> None:
         ({"a": (-0.1,)}, "a: -0.1"),
     ],
 )
-def test_values_that_make_no_joints_are_refused(
-    values: Mapping[str, Sequence[float]], words: str
-) -> None:
+def test_values_of_no_joints_are_refused(values: Mapping[str, Sequence[float]], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         variants(WEIGHTLESS, values)
 

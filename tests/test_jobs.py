@@ -69,9 +69,7 @@ def test_engines_cases_are_held_against_the_static_model_even_if_no_one_asked() 
     assert {case.model for case in jobs.joints.values()} == {"yade", "limit"}
 
 
-def test_a_second_run_in_the_same_folder_is_refused_while_the_first_one_lives(
-    tmp_path: Path,
-) -> None:
+def test_a_second_run_in_the_same_folder_is_refused_while_the_first_lives(tmp_path: Path) -> None:
     first = lock(tmp_path)
     with pytest.raises(CallError, match=r"another run is using this folder \(process \d+\)"):
         lock(tmp_path)

@@ -71,9 +71,7 @@ def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -
 
 
 @pytest.mark.parametrize("push", Push)
-def test_mirrored_torque_and_push_give_the_same_limit_for_odd_locks(
-    joint: Joint, push: Push
-) -> None:
+def test_mirrored_torque_and_push_have_one_limit_for_odd_locks(joint: Joint, push: Push) -> None:
     expected = limit_of(joint, Loading(Direction(0.3)))
     for eccentricity in (0.3, -0.3):
         found = limit_of(joint, Loading(Direction(eccentricity), push=push))
@@ -178,9 +176,7 @@ def test_the_published_samples_need_no_rounding(joint: Joint) -> None:
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5])
-def test_the_frictionless_limit_is_above_the_frictionless_brittle_peak(
-    joint: Joint, eccentricity: float
-) -> None:
+def test_without_friction_the_limit_is_above_the_peak(joint: Joint, eccentricity: float) -> None:
     problem = loaded(replace(joint, dry=replace(DRY, friction=0.0)), eccentricity, 0.02)
     assert limit_load(*problem).load >= static_peak(*problem).peak.load * (1 - 1e-5)
 

@@ -119,9 +119,7 @@ def test_a_structure_that_falls_is_told_so_before_a_load_is_looked_for() -> None
         require_standing(model, acceleration(model, (1, 0, 0)), friction=True)
 
 
-def test_rounds_that_do_not_settle_end_with_the_lowest_load_and_say_so(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_rounds_that_do_not_settle_end_with_the_least_load(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sliding, "SLIDING_ROUNDS", 12)
     found = sliding_limit(*read_structure(FILES[3]))
     assert found.rounds == 12
@@ -130,9 +128,7 @@ def test_rounds_that_do_not_settle_end_with_the_lowest_load_and_say_so(
     assert f"go up to {found.highest:.4g} N" in found.note
 
 
-def test_a_structure_too_large_for_rounds_is_refused_at_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_structure_too_large_for_rounds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sliding, "MOST_NODES", 100)
     with pytest.raises(CapacityError, match=r"without dilation: 176 nodes; at most 100 are"):
         sliding_limit(*read_structure(FILES[3]))

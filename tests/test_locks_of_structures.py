@@ -87,9 +87,7 @@ def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float) -
 @pytest.mark.parametrize("rule", ["law", "safe"])
 @pytest.mark.parametrize(("locks", "eccentricity"), [(4, 0.0), (5, -math.tan(math.pi / 6))])
 @pytest.mark.parametrize("push", [Push.PLUS_Y, Push.MINUS_Y])
-def test_condensed_locks_carry_what_a_rule_says(
-    rule: str, locks: int, eccentricity: float, push: Push
-) -> None:
+def test_condensed_locks_obey_rules(rule: str, locks: int, eccentricity: float, push: Push) -> None:
     joint = Joint(locks, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
     condensed = Condensed(rule=rule)
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, condensed)})

@@ -62,9 +62,7 @@ def test_a_peak_is_found_below_that_of_the_first_path(far: StaticSolution) -> No
     assert far.first_failure_load == first.first_failure_load
 
 
-def test_the_lowest_peak_stays_where_the_input_changes_by_its_last_digits(
-    far: StaticSolution,
-) -> None:
+def test_the_lowest_peak_stays_where_last_digits_of_the_input_change(far: StaticSolution) -> None:
     assembly, loads = loaded(11, 1.0, FINE)
     nodes = assembly.nodes
     change = 1e-9 * np.random.default_rng(0).uniform(-1.0, 1.0, len(nodes.area))
@@ -135,9 +133,7 @@ def sought(
     return lowest, starts
 
 
-def test_the_search_ends_after_ten_starts_without_a_lower_peak(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_search_ends_after_ten_starts_without_a_lower(monkeypatch: pytest.MonkeyPatch) -> None:
     same, starts = sought([1.0], monkeypatch)
     assert (starts, same.spread) == (STARTS, 0.0)
     lower, starts = sought([1.0, 1.1, 0.9, 1.0], monkeypatch)
@@ -157,9 +153,7 @@ def test_the_search_ends_after_so_many_searches(monkeypatch: pytest.MonkeyPatch)
 
 
 # --- reported peaks ------------------------------------------------------------------------------
-def test_a_record_has_the_lowest_peak_its_spread_and_the_first_failure(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_record_has_lowest_peak_spread_and_first_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     first = record(5, 0.5)
     assert first.load_N is not None and first.peak_spread == 0.0
     sought([0.97], monkeypatch)

@@ -88,9 +88,7 @@ def test_the_second_mesh_is_the_finer_one_of_rigid_pieces() -> None:
 
 
 @pytest.mark.parametrize("nodes", NodeLayout)
-def test_the_second_mesh_is_the_coarser_one_where_the_finer_one_is_ten_times_as_dear(
-    nodes: NodeLayout,
-) -> None:
+def test_the_second_mesh_is_coarser_where_the_finer_is_ten_times_as_dear(nodes: NodeLayout) -> None:
     bends = Joint(5, elastic=Elastic(1e10))
     assert second_mesh(bends, [0.01], nodes) == 0.02
     assert second_mesh(replace(bends, elastic=None), [0.01], nodes) == 0.005

@@ -131,35 +131,15 @@ def test_only_what_was_built_and_checked_is_published_without_a_password() -> No
 
 EXTRAS = dict(PROJECT["optional-dependencies"])
 STUDY = [*PROJECT["dependencies"], *EXTRAS.pop("study")]
-LOCKS = {  # of extras that add to the study's packages
-    "requirements.txt": STUDY,
-    **{
-        f"requirements-{extra}.txt": more
-        for extra, more in EXTRAS.items()
-        if not set(more) <= set(STUDY)
-    },
-}
-PIN = re.compile(
-    r"^([A-Za-z0-9._-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M
-)
+ADDED = {extra: more for extra, more in EXTRAS.items() if not set(more) <= set(STUDY)}
+LOCKS = {"requirements.txt": STUDY} | {f"requirements-{each}.txt": ADDED[each] for each in ADDED}
+PIN = re.compile(r"^([\w.-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M)
 # Used, but not by an import: programs, plugins of pytest and of a theme, an engine of pandas; and
 # what builds this project.
 NOT_IMPORTED = {
-    *(
-        "furo",
-        "import-linter",
-        "mypy",
-        "myst-parser",
-        "pytest-xdist",
-        "ruff",
-        "snakefmt",
-        "sphinx-click",
-        "sphinx-gallery",
-        "types-pyyaml",
-        "uv",
-    ),
-    *("cadquery-ocp-novtk", "highspy", "rhino3dm", "setuptools", "snakemake"),
-    "snakemake-executor-plugin-slurm",
+    *("furo", "import-linter", "mypy", "myst-parser", "pytest-xdist", "ruff", "snakefmt", "uv"),
+    *("sphinx-click", "sphinx-gallery", "types-pyyaml", "cadquery-ocp-novtk", "highspy"),
+    *("rhino3dm", "setuptools", "snakemake", "snakemake-executor-plugin-slurm"),
     "snakemake-logger-plugin-rich",
 }
 

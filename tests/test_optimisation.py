@@ -82,9 +82,7 @@ def test_an_aim_without_limit_is_unbounded(cone: bool) -> None:
 
 
 @pytest.mark.parametrize("verdict", ["infeasible", "unbounded"])
-def test_a_refusal_without_proof_is_not_believed(
-    verdict: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_refusals_without_proof_do_not_count(verdict: str, monkeypatch: pytest.MonkeyPatch) -> None:
     given = _Answer(verdict, np.zeros(0), np.zeros(0))
     monkeypatch.setattr(optimisation, "_answer", lambda solver, raw: given)
     with pytest.raises(SolverError, match=f"HIGHS: {verdict}"):
@@ -133,9 +131,7 @@ def test_a_direction_proves_that_there_is_no_limit_only_where_it_does(
     assert _unbounded(data, np.array([scale * ray])) is proves
 
 
-def test_where_one_solver_breaks_down_the_next_one_is_asked(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_where_one_solver_breaks_down_the_next_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     def breaks(solver: str, raw: object) -> _Answer:
         if solver == cp.HIGHS:
             return _Answer("solveerror", np.zeros(0), np.zeros(0))

@@ -33,9 +33,7 @@ def test_the_closed_form_solves_the_row_of_springs(count: int, lag: float, direc
 
 
 @given(COUNTS, LAGS, st.floats(0.0, 0.99))
-def test_more_pairs_never_carry_less_and_have_a_limit(
-    count: int, lag: float, direct: float
-) -> None:
+def test_more_pairs_never_carry_less_up_to_a_limit(count: int, lag: float, direct: float) -> None:
     here, more = Pairs(count, lag, direct), Pairs(count + 1, lag, direct)
     assert here.working <= more.working * (1 + 1e-12) <= here.most * (1 + 1e-9)
 

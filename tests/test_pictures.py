@@ -17,9 +17,7 @@ def film() -> pictures.Film:
         return pictures.film()
 
 
-def test_it_names_the_lock_that_fails_first_and_goes_on_behind_the_peak(
-    film: pictures.Film,
-) -> None:
+def test_it_names_the_lock_that_fails_first_and_goes_behind_the_peak(film: pictures.Film) -> None:
     words = list(dict.fromkeys(words for _, words in film.frames()))
     assert words[0] == "The load rises: all bonds are whole"
     assert any(each.endswith("lock 2 is the first to fail") for each in words)

@@ -25,9 +25,7 @@ PURE_SHEAR, TORSION = Direction(0.0), Direction(math.inf)
 @pytest.mark.parametrize(("locks", "published"), [(3, 720.0), (5, 1200.0)])
 @pytest.mark.parametrize("option", OPTIONS)
 @pytest.mark.parametrize("friction", [False, True])
-def test_pure_shear_is_the_published_one(
-    locks: int, published: float, option: str, friction: bool
-) -> None:
+def test_pure_shear_is_published(locks: int, published: float, option: str, friction: bool) -> None:
     model = Sidmacib(Joint(locks), OPTIONS[option], friction=friction)
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(published, rel=1e-9)
 
@@ -128,9 +126,7 @@ def test_the_load_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitu
 
 @pytest.mark.parametrize("power", [-6, -1, 1, 6])
 @pytest.mark.parametrize("friction", [False, True])
-def test_strength_far_from_what_presses_the_joint_gives_the_load_by_hand(
-    power: int, friction: bool
-) -> None:
+def test_strength_far_from_what_presses_gives_the_load_by_hand(power: int, friction: bool) -> None:
     """Rocking about the last lock, or the locks' strength, decides pure shear."""
     joint = Joint(3)
     joint = replace(joint, inner=replace(joint.inner, cohesion=10.0**power * 8e4))

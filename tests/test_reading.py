@@ -166,9 +166,7 @@ def test_a_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
         assert str(error.value).isprintable()
 
 
-def test_a_results_folder_that_is_a_file_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_is_no_results_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").touch()
     for name in ("file", "file/below"):

@@ -112,9 +112,7 @@ def test_results_that_cannot_be_are_refused_with_file_and_line(
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
 @pytest.mark.parametrize("column", range(2, len(NODE_COLUMNS)))
-def test_a_node_with_a_number_that_is_none_is_named(
-    tmp_path: Path, column: int, value: str
-) -> None:
+def test_a_node_without_a_number_is_named(tmp_path: Path, column: int, value: str) -> None:
     assembly = write_engine_files(tmp_path, case_of())
     lines = (tmp_path / NODES).read_text().splitlines()
     cells = lines[4].split(",")
@@ -188,18 +186,14 @@ def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path)
     ("peak", "failed", "refused"),
     [(100.0, 100.1, False), (100.0, 100.2, True), (1.0, 1.02, False), (1.0, 10.0, True)],
 )
-def test_the_load_that_failed_is_held_against_the_tolerance(
-    peak: float, failed: float, refused: bool
-) -> None:
+def test_a_failed_load_is_held_to_the_tolerance(peak: float, failed: float, refused: bool) -> None:
     found = Outcome((State(peak),), failed)
     with pytest.raises(ResultError, match="the tolerance, above") if refused else nullcontext():
         check_bracket(found, 0.001, 20.0)
 
 
 @pytest.mark.parametrize(("peak", "refused"), [(79.0, True), (81.0, False), (300.0, False)])
-def test_a_peak_far_below_the_first_failure_of_the_static_model_is_no_result(
-    peak: float, refused: bool
-) -> None:
+def test_a_peak_far_below_the_static_first_failure_is_no_result(peak: float, refused: bool) -> None:
     found = Outcome((State(peak),), peak)
     with pytest.raises(ResultError, match="nothing fails up to") if refused else nullcontext():
         check_first_failure(found, 100.0)

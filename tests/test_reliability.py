@@ -133,9 +133,7 @@ def test_strengths_that_are_design_values_leave_the_safe_load() -> None:
 
 
 @pytest.mark.parametrize("joint", [JOINT, PRESSED], ids=["plate", "pressure"])
-def test_the_factor_divides_the_resistance_or_the_strengths_whichever_gives_less(
-    joint: Joint,
-) -> None:
+def test_the_factor_divides_resistance_or_strengths_whichever_gives_less(joint: Joint) -> None:
     found = design_resistance(joint, ECCENTRIC, Reliability(partial_factor=1.5)).load
     of_resistance = sidmacib.safe(joint, ECCENTRIC).load / 1.5
     of_strengths = sidmacib.safe(weakened(joint, 1.5), ECCENTRIC).load

@@ -70,9 +70,7 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
         ({"elastic": Elastic(1e10), "locks": 17}, "locks of elastic blocks: 17"),
     ],
 )
-def test_what_lies_outside_the_study_is_refused(
-    rule: Any, others: dict[str, Any], words: str
-) -> None:
+def test_what_is_beyond_the_study_is_refused(rule: Any, others: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         rule(Joint(**({"locks": 5} | others)), Direction(0.0))
 
@@ -174,9 +172,7 @@ PRESSED = Joint(
         (PRESSED, 1.12, Push.PLUS_Y, 61.475),
     ],
 )
-def test_friction_has_its_history(
-    joint: Joint, eccentricity: float, push: Push, first: float
-) -> None:
+def test_friction_has_history(joint: Joint, eccentricity: float, push: Push, first: float) -> None:
     """Without it the law was up to 43 % above the first failure, and safe above the peak."""
     direction = Direction(eccentricity)
     assert law(joint, direction, push).load == pytest.approx(first, rel=5e-3)

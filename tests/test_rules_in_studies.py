@@ -47,9 +47,7 @@ def test_law_and_safe_rule_are_models_of_a_study_that_names_none() -> None:
         ),
     ],
 )
-def test_a_joint_that_the_law_refuses_has_the_reason_in_the_table(
-    change: dict[str, Any], reason: str
-) -> None:
+def test_a_joint_that_the_law_refuses_has_the_reason(change: dict[str, Any], reason: str) -> None:
     study = study_of(**change, sidmacib={"reductions": ["none"]})
     results = [record_with(each, 0.5) for each in cases_of(study).values()]
     table = capacity_of(study, results)

@@ -48,17 +48,13 @@ def tables(study: Study, results: list[JointRecord]) -> dict[str, pd.DataFrame]:
 
 
 # --- what is compared with what ------------------------------------------------------------------
-def test_the_papers_numbers_belong_to_a_sample_of_any_friction_which_is_stated(
-    study: Study,
-) -> None:
+def test_the_papers_numbers_belong_to_samples_of_any_friction_as_stated(study: Study) -> None:
     assert PUBLISHED.samples(study) == {"n3": 3, "n3_fits": 3}
     assert PUBLISHED.as_printed(study, "n3")
     assert not PUBLISHED.as_printed(study, "n3_fits")
 
 
-def test_every_sample_is_fitted_to_the_models_that_run_on_it(
-    tables: dict[str, pd.DataFrame],
-) -> None:
+def test_each_sample_is_fitted_to_models_that_run_on_it(tables: dict[str, pd.DataFrame]) -> None:
     found = tables["fit"].groupby("sample")["model"].unique()
     assert {sample: set(models) for sample, models in found.items()} == {
         "n3": {"yade", "static"},
@@ -96,9 +92,7 @@ def test_validation_states_friction_and_mesh_error(tables: dict[str, pd.DataFram
 
 
 # --- beside each other ---------------------------------------------------------------------------
-def test_samples_with_the_same_locks_stand_beside_each_other(
-    tables: dict[str, pd.DataFrame],
-) -> None:
+def test_samples_of_the_same_locks_stand_side_by_side(tables: dict[str, pd.DataFrame]) -> None:
     (found,) = comparisons(tables["validation"], leading_models(tables["fit"]))
     assert found.samples == {
         "n3": "friction 0.3, as printed; yade",
@@ -112,9 +106,7 @@ def test_samples_with_the_same_locks_stand_beside_each_other(
 
 
 # --- in words ------------------------------------------------------------------------------------
-def test_a_mesh_error_above_two_percent_is_named_with_what_helps(
-    tables: dict[str, pd.DataFrame],
-) -> None:
+def test_a_mesh_error_above_2_percent_is_named_with_help(tables: dict[str, pd.DataFrame]) -> None:
     text = summary("there", tables, [0.02])
     (line,) = (line for line in text.splitlines() if "static mesh 0.02 m:" in line)
     assert line == "  static mesh 0.02 m: 11.33 % (n3_fits-mesh0.02-e0a), ABOVE 2 %"

@@ -61,9 +61,7 @@ def test_the_studies_and_the_examples_name_their_schemas() -> None:
         (("structures",), {"s": {"description": {"blocks": {}}}}, "$.structures.s.description"),
     ],
 )
-def test_a_fault_of_a_study_is_seen_by_an_editor(
-    keys: tuple[str, ...], value: Any, place: str
-) -> None:
+def test_a_fault_is_seen_by_an_editor(keys: tuple[str, ...], value: Any, place: str) -> None:
     study = read_yaml(ROOT / "config.yaml")
     section = study
     for key in keys[:-1]:

@@ -113,9 +113,7 @@ def test_a_residual_part_of_one_is_ductile(eccentricity: float) -> None:
 
 
 @pytest.mark.parametrize(("eccentricity", "locks"), [(0.0, 5), (0.5, 3)])
-def test_more_energy_and_more_residual_strength_never_carry_less(
-    eccentricity: float, locks: int
-) -> None:
+def test_more_energy_or_residual_strength_never_carry_less(eccentricity: float, locks: int) -> None:
     by_energy = [softening(locks, energy) for energy in (0.0, 1.0, 10.0, 100.0)]
     by_residual = [softening(locks, 0.0, part) for part in (0.0, 0.4, 0.8, 1.0)]
     for joints in (by_energy, by_residual):

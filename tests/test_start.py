@@ -1,12 +1,10 @@
 """Before anything runs: ^C while programs load, the locale, and a faulty configuration."""
 
-import os
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import INSTALLED, ROOT
+from conftest import INSTALLED
 from processes import python, ran
 
 SMALL = (
@@ -42,16 +40,8 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
     config = tmp_path / "study.yaml"
     config.write_text(SMALL + "# \u00b5\n", encoding="utf-8")
     words = (f"CONFIG={config}", f"RESULTS={tmp_path / 'results'}", "CASE=n3-mesh0.02-e0a")
-    posix = {"LC_ALL": "POSIX", "PYTHONCOERCECLOCALE": "0"}
-    found = subprocess.run(
-        [*INSTALLED, "case", *words],
-        cwd=ROOT,
-        env={name: text for name, text in os.environ.items() if name != "PYTHONUTF8"} | posix,
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
+    posix = {"LC_ALL": "POSIX", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": ""}
+    found = ran(*INSTALLED, "case", *words, **posix)
     assert found.returncode == 0, found.stderr
     assert "V = 24" in found.stdout
 

@@ -68,9 +68,7 @@ def test_first_failures_of_random_joints_do_not_depend_on_increments(space: Spac
 
 
 @pytest.mark.parametrize(("joint", "eccentricity"), FOUND)
-def test_the_safe_load_is_below_the_first_failure_on_a_plateau(
-    joint: Joint, eccentricity: float
-) -> None:
+def test_safe_loads_are_below_first_failures_on_plateaus(joint: Joint, eccentricity: float) -> None:
     """A margin on the load alone made it 41.2 for 29.5 N, and 105.8 for 98.4 N."""
     direction = Direction(eccentricity)
     load, fine = first_failures(joint, Loading(direction), 5)

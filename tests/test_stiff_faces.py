@@ -51,9 +51,7 @@ def test_the_first_failure_no_longer_depends_on_the_stiffness(locks: int, e_over
 @pytest.mark.parametrize(
     ("hold_down", "friction"), [(HoldDown.weight(), 0.6), (HoldDown.force(300.0), 0.0)]
 )
-def test_stiff_dry_faces_move_no_further_than_rigid_ones(
-    hold_down: HoldDown, friction: float
-) -> None:
+def test_stiff_dry_faces_move_as_little_as_rigid_ones(hold_down: HoldDown, friction: float) -> None:
     found = [static_peak(*problem(ratio, 1.0, 4, friction, hold_down)) for ratio in (1e5, 1e7)]
     assert found[1].mode is found[0].mode
     assert found[1].first_failure_load == pytest.approx(found[0].first_failure_load, rel=1e-2)

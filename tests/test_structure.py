@@ -73,9 +73,7 @@ def test_a_refined_structure_has_each_cell_divided_and_the_same_faces() -> None:
 
 
 @pytest.mark.parametrize(("thickness", "stands"), [(0.1070, False), (0.1079, True)])
-def test_a_semicircular_arch_stands_above_the_thickness_of_milankovitch(
-    thickness: float, stands: bool
-) -> None:
+def test_an_arch_stands_above_the_thickness_of_milankovitch(thickness: float, stands: bool) -> None:
     model = structure(arch(40, thickness), dry(3.0))
     if stands:
         assert factor(model) > 0.0
@@ -107,9 +105,7 @@ def test_a_point_load_tears_an_arch_as_stockdale_computed() -> None:
     turn=st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3),
     shift=st.lists(st.floats(-9.0, 9.0), min_size=3, max_size=3),
 )
-def test_a_bonded_pair_carries_the_same_wherever_it_is(
-    turn: list[float], shift: list[float]
-) -> None:
+def test_a_bonded_pair_carries_the_same_anywhere(turn: list[float], shift: list[float]) -> None:
     glue = FaceMaterial(1e10, 5e9, 0.0, 5e3, 4e3)
     about = Rotation.from_rotvec(turn)
     blocks = [GROUND, BLOCK]

@@ -240,9 +240,7 @@ def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Pa
 
 
 @pytest.mark.study
-def test_a_model_that_cannot_do_condensed_locks_says_so_and_the_study_is_complete(
-    results: Path,
-) -> None:
+def test_a_model_that_cannot_do_condensed_locks_says_so_in_a_whole_study(results: Path) -> None:
     table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
     refused = table.loc[("keyed-load", "static"), "refused"]
     assert (

@@ -97,9 +97,7 @@ REFUSED = yaml.safe_load((ROOT / "tests/cases/refused_studies.yaml").read_text()
 
 
 @pytest.mark.parametrize("refused", REFUSED, ids=lambda each: each["says"][:60])
-def test_a_fault_is_reported_in_one_line_with_key_value_and_what_is_allowed(
-    refused: dict[str, Any],
-) -> None:
+def test_a_fault_is_one_line_with_key_value_and_what_is_allowed(refused: dict[str, Any]) -> None:
     with pytest.raises(ConfigError, match=f"^{refused['says']}$") as error:
         cases_of(read_study(refused["study"]))
     assert len(str(error.value).splitlines()) == 1

@@ -35,9 +35,7 @@ Y = Tilt((0.0, 1.0, 0.0))
 
 
 @pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (math.sqrt(3), 1.0, 0.0)])
-def test_a_block_on_a_slope_slides_at_the_angle_of_friction(
-    axis: tuple[float, float, float],
-) -> None:
+def test_a_block_on_a_slope_slides_at_its_friction_angle(axis: tuple[float, float, float]) -> None:
     model = on_ground(0.2)
     found = static_tilt(model, Tilt(axis))
     assert found.angle == pytest.approx(degrees(0.2), abs=0.01)
@@ -47,9 +45,7 @@ def test_a_block_on_a_slope_slides_at_the_angle_of_friction(
 
 
 @pytest.mark.parametrize(("axis", "width"), [((0.0, 1.0, 0.0), 0.4), ((1.0, 0.0, 0.0), 0.6)])
-def test_a_tall_block_overturns_at_width_over_height(
-    axis: tuple[float, float, float], width: float
-) -> None:
+def test_tall_blocks_overturn_at_b_over_h(axis: tuple[float, float, float], width: float) -> None:
     model = on_ground(0.84)
     found, limit = static_tilt(model, Tilt(axis)), limit_tilt(model, Tilt(axis))
     assert found.angle == pytest.approx(degrees(width), abs=0.01)
@@ -162,9 +158,7 @@ def both(
     about=st.floats(-3.0, 3.0),
     shift=st.lists(st.floats(-9.0, 9.0), min_size=3, max_size=3),
 )
-def test_turned_and_shifted_coordinates_change_nothing(
-    shape: str, about: float, shift: list[float]
-) -> None:
+def test_turned_and_shifted_axes_mean_nothing(shape: str, about: float, shift: list[float]) -> None:
     """Turned about the vertical, as gravity begins along -z."""
     axis = np.array([0.3, 1.0, 0.0])
     here = both(SHAPES[shape], Tilt((0.3, 1.0, 0.0)))

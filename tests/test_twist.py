@@ -61,9 +61,7 @@ def test_a_square_under_pure_torque_has_its_closed_form() -> None:
 
 
 @pytest.mark.parametrize("centre", [(0.0, 0.0), (0.1, 0.05), (0.25, 0.0), (0.3, -0.2), (0.45, 0.0)])
-def test_a_pressure_has_its_resultant_and_is_linear_where_it_is_pressed(
-    centre: tuple[float, float],
-) -> None:
+def test_pressure_has_its_resultant_and_is_linear_on_contact(centre: tuple[float, float]) -> None:
     pressure = square(centre)
     assert pressure.shares.sum() == pytest.approx(1.0, abs=1e-6)
     assert pressure.shares @ pressure.places == pytest.approx(centre, abs=1e-3)

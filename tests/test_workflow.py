@@ -158,9 +158,7 @@ def test_the_linter_finds_only_that_rules_share_one_environment(config: str) -> 
     }
 
 
-def test_a_case_that_was_solved_in_a_batch_has_files_of_its_own_on_request(
-    solved: Workspace,
-) -> None:
+def test_a_case_that_was_solved_in_a_batch_has_its_own_files_on_request(solved: Workspace) -> None:
     name = "n3-mesh0.03-e0.5a"
     found = solved.snakemake(f"results/cases/static/{name}/result.json")
     assert found.returncode == 0, found.stderr
@@ -286,9 +284,7 @@ def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
 
 
 @pytest.mark.engine
-def test_a_run_that_is_killed_leaves_nothing_alive_and_the_next_one_goes_on(
-    workspace: Workspace,
-) -> None:
+def test_a_run_that_is_killed_leaves_nothing_and_the_next_goes_on(workspace: Workspace) -> None:
     workspace.configure({**SMALL, "meshes": [0.008], "eccentricities": [0], "variants": {}})
     run = subprocess.Popen(
         workspace.command(), cwd=workspace.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE

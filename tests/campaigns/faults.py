@@ -22,9 +22,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import yaml
-from campaigns.counts import ROOT, asked, write_counts
+from campaigns.counts import ROOT, asked, tables_of, write_counts
 from small import COARSE
-from tables import tables_of
 
 from sidmacib.engines.scripts.records import RESULT
 from workflow.results.record import RECORD

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import yaml
 from campaigns.counts import ROOT, write_counts
-from kernels import NEEDS, can_run
+from test_kernels import NEEDS, can_run
 
 STUDY = {
     "samples": {"n5": {"locks": 5, "dry": {"friction": 0.1}}},
