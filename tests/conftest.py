@@ -56,10 +56,7 @@ from workflow.steps import engine as engine_step
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.
-for number, usual in (
-    (signal.SIGINT, signal.default_int_handler),
-    (signal.SIGHUP, signal.SIG_DFL),
-):
+for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, usual)
 
@@ -118,13 +115,9 @@ def scaled(joint: Joint, length: float, stress: float) -> Joint:
     """The joint with lengths, and all that is a force or a stiffness per area, times these."""
 
     def of(face: FaceMaterial) -> FaceMaterial:
-        names = ("normal_stiffness", "shear_stiffness"), ("cohesion", "tensile_strength")
-        stiff, strong = ({name: getattr(face, name) for name in each} for each in names)
-        return replace(
-            face,
-            **{name: stress / length * value for name, value in stiff.items()},
-            **{name: stress * value for name, value in strong.items()},
-        )
+        factors = dict.fromkeys(("cohesion", "tensile_strength"), stress)
+        factors |= dict.fromkeys(("normal_stiffness", "shear_stiffness"), stress / length)
+        return replace(face, **{name: by * getattr(face, name) for name, by in factors.items()})
 
     sizes = {name: length * getattr(joint, name) for name in ("a", "b", "h", "H")}
     density = stress / length * joint.density
@@ -167,29 +160,11 @@ class CaseResult:
     nodes: pd.DataFrame
     history: pd.DataFrame
 
-    @property
-    def peak_load(self) -> float:
-        assert self.record.load_N is not None
-        return self.record.load_N
-
-    @property
-    def shear(self) -> float:
-        assert self.record.part.shear_N is not None
-        return self.record.part.shear_N
-
-    @property
-    def failed_load(self) -> float:
-        assert self.record.failed_load_N is not None
-        return self.record.failed_load_N
-
-    @property
-    def first_failure_load(self) -> float | None:
-        return self.record.first_failure_load_N
-
-    @property
-    def unbalanced_share(self) -> float:
-        assert self.record.unbalanced_share is not None
-        return self.record.unbalanced_share
+    peak_load = property(lambda self: self.record.load_N)
+    shear = property(lambda self: self.record.part.shear_N)
+    failed_load = property(lambda self: self.record.failed_load_N)
+    first_failure_load = property(lambda self: self.record.first_failure_load_N)
+    unbalanced_share = property(lambda self: self.record.unbalanced_share)
 
     @property
     def weights(self) -> pd.DataFrame:
@@ -204,13 +179,8 @@ def a_case(
     nodes: NodeLayout = NodeLayout.CENTRES,
     **numerics: float,
 ) -> JointCase:
-    return Case(
-        name="case",
-        model=engine,
-        variant="reference",
-        subject=JointSubject("n", joint, mesh, nodes, loading),
-        numerics=Numerics(**numerics),
-    )
+    subject = JointSubject("n", joint, mesh, nodes, loading)
+    return Case("case", engine, "reference", subject, Numerics(**numerics))
 
 
 def with_subject(case: JointCase, **changes: Any) -> JointCase:

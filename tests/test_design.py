@@ -114,11 +114,8 @@ def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     assembly = structure(stack(), dry(0.2))
     loads = force_at(assembly, "upper", (0.25, 0.3, 0.3), (-0.25, 1.0, 0.0))
     given = design_on(assembly, [LoadCase("push", loads, 1000.0)], angles=(20.0,), most=2)
-    sizes = (1, 2)
-    choice = [
-        next(each for each in site.layouts if each.working == size)
-        for site, size in zip(given.sites, sizes, strict=True)
-    ]
+    sites = zip(given.sites, (1, 2), strict=True)
+    choice = [next(k for k in site.layouts if k.working == size) for site, size in sites]
     (state,) = carried(given, choice)
     step = 1e-3
 

@@ -1,6 +1,7 @@
-"""Joints of elastic pieces: the rigid ones' limit, exact cases, energy and convergence."""
+"""Joints of elastic pieces: the rigid ones' limit, exact cases, energy, convergence, memory."""
 
 import math
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib.errors import SolverError
+from sidmacib.errors import CapacityError, SolverError
 from sidmacib.joint.joint import HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import shared_face
@@ -26,7 +27,8 @@ from sidmacib.mechanics.assembly import (
     SideLoad,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.elastic.solver import ElasticSolver
+from sidmacib.mechanics.elastic import solver
+from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed
 from sidmacib.mechanics.equilibrium import unbalanced_forces, unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import solver_of, static_first_failure, static_peak
@@ -260,3 +262,38 @@ def test_stiff_rough_faces_rest_under_what_presses_on_them(
     dry = np.array([face.kind is Kind.DRY for face in model.faces])[model.nodes.face]
     assert (pressed[dry] >= 0.0).all() and pressed[dry].sum() > 0.0
     assert (shear[dry] <= 0.148 * pressed[dry] * (1.0 + 1e-6) + 1e-6).all()
+
+
+# --- memory --------------------------------------------------------------------------------------
+def test_elastic_pieces_that_no_machine_holds_are_refused_before_anything_is_allocated() -> None:
+    problem = loaded(elastic(9), 0.0, 0.002, NodeLayout.LOBATTO)
+    tracemalloc.start()
+    words = r"[\d,]+ components .* need [\d.]+ GiB of memory or more, and this machine has [\d.]+ "
+    with pytest.raises(CapacityError, match=f"^elastic pieces with {words}GiB; .* coarser mesh$"):
+        static_peak(*problem)
+    assert tracemalloc.get_traced_memory()[1] < 1e9
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
+def test_the_memory_that_is_asked_for_is_a_close_bound(body: UpperBody) -> None:
+    assembly, loads = loaded(elastic(3, body=body), 0.0, 0.02, NodeLayout.LOBATTO)
+    tracemalloc.start()
+    static_peak(assembly, loads)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    needed = memory_needed(assembly, np.asarray(ElasticSolver(assembly, loads).kept))
+    assert 0.4 * most < needed < 1.2 * most
+
+
+def test_the_memory_of_a_machine_is_that_of_its_container_if_that_is_less(
+    monkeypatch: pytest.MonkeyPatch, tmp_path
+) -> None:
+    limit = tmp_path / "memory.max"
+    monkeypatch.setattr(solver, "CGROUP", limit)
+    whole = solver.memory()
+    assert 1e8 < whole < math.inf
+    limit.write_text("max\n")
+    assert solver.memory() == whole
+    limit.write_text("1000000\n")
+    assert solver.memory() == 1e6
