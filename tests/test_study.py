@@ -87,10 +87,8 @@ DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
 
 def differing(locks: dict[Any, Any]) -> dict[str, Any]:
     """A study of a joint whose ``locks`` differ."""
-    return {
-        "samples": {"n": {"locks": 3, "different": locks}},
-        "sidmacib": {"reductions": ["none"]},
-    }
+    sample = {"locks": 3, "different": locks}
+    return {"samples": {"n": sample}, "sidmacib": {"reductions": ["none"]}}
 
 
 REFUSED = yaml.safe_load((ROOT / "tests/cases/refused_studies.yaml").read_text())
