@@ -217,7 +217,11 @@ def run(made_once: Callable[..., Path]) -> Callable[[JointCase], CaseResult]:
 
     def found(case: JointCase) -> CaseResult:
         name = hashlib.sha256(case.to_json().encode()).hexdigest()[:16]
-        return read_case(made_once(f"case-{name}", partial(run_case, case)), case)
+        folder = made_once(f"case-{name}", partial(run_case, case))
+        (record,) = read_records([folder / RECORD])
+        nodes = pd.read_csv(folder / "nodes.csv")
+        nodes["lock"] = nodes["face"].map(lock_faces(case.subject.joint)).fillna(0).astype(int)
+        return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
 
     return found
 
@@ -231,13 +235,6 @@ def run_case(case: JointCase, folder: Path) -> Path:
     if fault is not None:
         raise EngineError(fault)
     return folder
-
-
-def read_case(folder: Path, case: JointCase) -> CaseResult:
-    (record,) = read_records([folder / RECORD])
-    nodes = pd.read_csv(folder / "nodes.csv")
-    nodes["lock"] = nodes["face"].map(lock_faces(case.subject.joint)).fillna(0).astype(int)
-    return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
 
 
 @pytest.fixture

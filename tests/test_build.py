@@ -14,7 +14,6 @@ import pytest
 import trimesh
 from command_runner import run
 from conftest import ROOT
-from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from sidmacib.build.formats import obj_text, stl, threemf
@@ -239,14 +238,11 @@ def test_edges_behind_a_block_are_hidden() -> None:
     assert {round(float(line[0, 1]), 6) for line in flanks} >= {0.05, 0.1, 0.15, 0.2}
 
 
-def words_on(figure: Figure) -> set[str]:
-    return {text.get_text() for text in figure.axes[0].texts}
-
-
 def test_a_sheet_has_every_size_of_the_joint() -> None:
     blocks, rows, near = joint_blocks(Joint(5))
     lower, _ = kinds(solids(blocks, rows, GAPS, near))
-    words = words_on(draw_sheet(lower, rows, 2, "mm", "clearance"))
+    (axes, *_) = draw_sheet(lower, rows, 2, "mm", "clearance").axes
+    words = {text.get_text() for text in axes.texts}
     assert {"60", "250", "49.5", "50.5"} <= words
     assert {"Kind A", "clearance", "joint to upper: 5 locks"} <= words
 

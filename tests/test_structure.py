@@ -16,7 +16,7 @@ from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import shared_volume
 from sidmacib.structure.structure import refined, structure
@@ -140,7 +140,10 @@ def test_a_strong_bonded_cut_changes_nothing() -> None:
 def test_the_joint_is_a_structure_of_its_pieces(body: UpperBody) -> None:
     joint = Joint(3, upper_body=body, hold_down=HoldDown.force(500.0))
     model, loads = posed(joint, Loading(Direction(0.3)), 0.03, NodeLayout.LOBATTO)
-    blocks = [_block(model, number) for number in range(len(model.pieces))]
+    blocks = [
+        box(p.name, p.low, p.high, p.mass / math.prod(p.size) or 1.0, fixed=p.fixed)
+        for p in model.cuboids
+    ]
     names = [block.name for block in blocks]
     laws = {frozenset({names[f.below], names[f.above]}): f.material for f in model.faces}
     same = structure(blocks, dry(0.0), laws, mesh=0.03, nodes=NodeLayout.LOBATTO)
@@ -150,12 +153,6 @@ def test_the_joint_is_a_structure_of_its_pieces(body: UpperBody) -> None:
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=1e-9)
     assert found.peak.load == pytest.approx(expected.peak.load, rel=1e-9)
     assert limit_load(same, loads).load == pytest.approx(limit_load(model, loads).load, rel=1e-8)
-
-
-def _block(model: Assembly, number: int) -> Block:
-    piece = model.cuboids[number]
-    density = piece.mass / float(np.prod(piece.size)) or 1.0
-    return box(piece.name, piece.low, piece.high, density, fixed=piece.fixed)
 
 
 # --- blocks and interfaces -----------------------------------------------------------------------

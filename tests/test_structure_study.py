@@ -118,13 +118,10 @@ SUPPORTS_MOVE = {
 }
 
 
-def of_supports(**keys: Any) -> dict[str, Any]:
-    section = {"description": SETTLING, "loads": SUPPORTS_MOVE, **keys}
-    return {**study_of(), "structures": {"beams": section}}
-
-
 def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) -> None:
-    study = read_study(of_supports(variants={"bonded": {"interfaces": {"cohesion": 1e5}}}))
+    bonded = {"variants": {"bonded": {"interfaces": {"cohesion": 1e5}}}}
+    beams = {"description": SETTLING, "loads": SUPPORTS_MOVE, **bonded}
+    study = read_study({**study_of(), "structures": {"beams": beams}})
     assert {case.subject.load for case in structure_cases(study)} == {"push"}
     asked = support_cases(study)
     cases = [[each.structure, each.load, each.description, variant] for each, variant in asked]

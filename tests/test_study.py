@@ -85,12 +85,7 @@ def test_a_ready_option_is_taken_by_its_name(options: Any) -> None:
 DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
 
 
-def differing(locks: dict[Any, Any]) -> dict[str, Any]:
-    """A study of a joint whose ``locks`` differ."""
-    sample = {"locks": 3, "different": locks}
-    return {"samples": {"n": sample}, "sidmacib": {"reductions": ["none"]}}
-
-
+DIFFER = {"locks": 3, "different": {2: {"width": 0.06, "inner": {"cohesion": 1e5}}}}
 REFUSED = yaml.safe_load((ROOT / "tests/cases/refused_studies.yaml").read_text())
 
 
@@ -165,7 +160,7 @@ def test_what_an_engine_takes_no_notice_of_is_noted_where_a_study_changes_it() -
         merged(**DUCTILE, models=["limit"], dem={"engines": ["yade"]}),
         merged(materials={"inner": {"shear_stiffness": 5e9}}, dem={"engines": []}),
         {"samples": {"n": {"locks": 3, "b": 0.02}}, "meshes": [0.005]},
-        differing({2: {"width": 0.06, "inner": {"cohesion": 1e5}}}),
+        {"samples": {"n": DIFFER}, "sidmacib": {"reductions": ["none"]}},
         merged(assembly={"hold_down": {"pressure": 1e5}}, sidmacib={"options": ["bilinear"]}),
         merged(variants={"v": {"upper_body": "monolithic", "eccentricities": ["torsion"]}}),
     ],

@@ -53,12 +53,6 @@ def any_capacity() -> pd.DataFrame:
     return tables_of(elastic_study(), lambda case: 100.0)[0]
 
 
-def half_capacity(capacity: pd.DataFrame, option: str) -> dict[str, float]:
-    """Loads of SiDMACIB with (n - 1) / 2 locks and one option, by case."""
-    rows = capacity[(capacity["option"] == option) & (capacity["reduction"] == "half")]
-    return rows[rows["friction"].eq(False)].set_index("case")["load_N"].to_dict()
-
-
 def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
     cases = cases_of(study_of(FADES))
     tough = cases["static", "n3-mesh0.02-e0a-tough"].subject.joint
@@ -83,7 +77,8 @@ def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> No
 @pytest.mark.parametrize("option", ["option1", "option2", "option3", "option4"])
 def test_the_option_that_a_variant_follows_is_its_best(option: str) -> None:
     study = elastic_study()
-    follows = half_capacity(any_capacity(), option)
+    half = any_capacity().query("option == @option and reduction == 'half' and friction == False")
+    follows = half.set_index("case")["load_N"].to_dict()
 
     def load(case: JointCase) -> float:
         return follows[case.name.removesuffix("-soft")] if case.variant == "soft" else 1.0
