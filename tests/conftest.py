@@ -25,23 +25,13 @@ from hypothesis import settings
 from small import TWO_MESHES
 from structures import WITH_STRUCTURES
 
+from sidmacib import Assembly, FaceMaterial, Joint, Loading, Loads, NodeLayout
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Joint
-from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_faces, shared_face
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Floats,
-    Kind,
-    Loads,
-    NodeLayout,
-    self_weight,
-)
+from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, self_weight
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point

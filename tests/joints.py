@@ -1,8 +1,7 @@
 """Joints under load, as tests of models pose them."""
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib import Direction, Joint, NodeLayout
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.problem import Problem
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from small import COARSE
 
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial
-from sidmacib.mechanics.limit import limit_load
+from sidmacib import Assembly, FaceMaterial, limit_load
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure

@@ -8,9 +8,8 @@ import pytest
 
 from benchmarks.peers import furthest_by_highs, standard_form
 from benchmarks.usage import used
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib import OPTIONS, Joint
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
-from sidmacib.joint.joint import Joint
 
 
 @pytest.mark.parametrize("way", [(1.0, 0.0), (0.3, 0.7), (-0.2, -0.9)])

@@ -9,10 +9,8 @@ import pytest
 from scipy.optimize import brentq
 from structures import BLOCK, GROUND, dry, on_ground
 
-from sidmacib.errors import CapacityError
+from sidmacib import CapacityCurve, CapacityError, capacity_curve, limit_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.structure.analysis.capacity_curve import CapacityCurve, capacity_curve
 from sidmacib.structure.analysis.contacts import Placement
 from sidmacib.structure.analysis.tilt import Tilt, tilting
 from sidmacib.structure.blocks import box

@@ -3,18 +3,10 @@
 import numpy as np
 import pytest
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib import Assembly, Direction, FaceMaterial, Joint, Loads, NodeLayout
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import shared_face
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Failure,
-    Kind,
-    Loads,
-    NodeLayout,
-)
+from sidmacib.mechanics.assembly import Cuboid, Failure, Kind
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.contact_nodes import contact_nodes

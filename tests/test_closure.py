@@ -10,11 +10,9 @@ from conftest import ROOT, a_case
 from processes import python
 from small import COARSE
 
+from sidmacib import Direction, Elastic, Joint, Loading
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.loading import Loading
-from sidmacib.mechanics.assembly import Elastic
 from sidmacib.models import MODELS
 from workflow import closure as module
 from workflow.case import JointSubject

@@ -11,20 +11,15 @@ import pytest
 from command_runner import answers, run
 
 from analysis.drawing.labels import label_of
+from sidmacib import Elastic, law, lock_weights, lowest_peak, pairs_of, safe, sensitivity
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.options import GROUPS, Grouped
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
-from sidmacib.joint.effects import sensitivity
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.joint.weights import lock_weights
-from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.rule.law import law, safe
-from sidmacib.rule.pairs import pairs_of
 
 
 def test_capacity_prints_the_loads_of_the_library() -> None:

@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 from command_runner import answers, run
 
+from sidmacib import Demand, Joint, Prices, cheapest, fewest_locks
 from sidmacib.command.inverse import chart, prices_of, sought, values_of
-from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Push
-from sidmacib.rule.inverse import Demand, Prices, cheapest, fewest_locks
 
 SIZES = ("-a", "0.08", "-H", "0.06")
 JOINT = Joint(5, a=0.08, H=0.06)

@@ -10,8 +10,7 @@ from conftest import block_on_ground, load_on_block
 from joints import loaded
 from scipy.sparse import csr_array
 
-from sidmacib.errors import InfeasibleError, SolverError
-from sidmacib.joint.joint import Joint
+from sidmacib import InfeasibleError, Joint, SolverError, static_peak
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
@@ -19,7 +18,6 @@ from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.static.model import static_peak
 
 ROUNDS = 200
 LEAST_BOUND = 1e-6  # of friction, over a node's share of the load: solvers need an interior

@@ -8,9 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib.joint.joint import Joint
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib import Joint, NodeLayout, assemble
 from sidmacib.mechanics.contact_nodes import cell_counts, contact_nodes, side_rule
 from sidmacib.mechanics.static.model import StaticSolution, static_peak
 

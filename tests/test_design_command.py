@@ -11,13 +11,11 @@ import yaml
 from command_runner import run as command
 from conftest import ROOT
 
+from sidmacib import InfeasibleError, limit_load, static_peak
 from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.designed import design_of
 from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import designed, read_task, task_of
-from sidmacib.errors import InfeasibleError
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.structure import refined
 

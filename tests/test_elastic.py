@@ -12,20 +12,11 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib.errors import CapacityError, SolverError
+from sidmacib import Assembly, CapacityError, Elastic, FaceMaterial, Loads, NodeLayout, SolverError
 from sidmacib.joint.joint import HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import shared_face
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    Elastic,
-    FaceMaterial,
-    Kind,
-    Loads,
-    NodeLayout,
-    SideLoad,
-)
+from sidmacib.mechanics.assembly import Cuboid, Kind, SideLoad
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.elastic import solver
 from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed

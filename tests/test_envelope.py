@@ -10,17 +10,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
 
+from sidmacib import OPTIONS, READY_OPTIONS, ContactOption, InfeasibleError, SolverError
 from sidmacib.contact_points.envelope import envelope, polygon
-from sidmacib.contact_points.options import (
-    OPTIONS,
-    READY_OPTIONS,
-    REDUCTIONS,
-    ContactOption,
-    active,
-    half_rule,
-)
+from sidmacib.contact_points.options import REDUCTIONS, active, half_rule
 from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, pair_loads
-from sidmacib.errors import InfeasibleError, SolverError
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 
 

@@ -10,17 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from stack import tilted_stack
 
-from sidmacib.joint.joint import Joint, UpperBody
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Kind,
-    Loads,
-    NodeLayout,
-    Rectangle,
-)
+from sidmacib import Assembly, FaceMaterial, Joint, Loads, NodeLayout, UpperBody, assemble
+from sidmacib.mechanics.assembly import Cuboid, Kind, Rectangle
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.contact_nodes import contact_nodes

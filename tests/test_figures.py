@@ -17,10 +17,9 @@ from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
 from analysis.tables.fit import variants_table
+from sidmacib import Joint, NodeLayout
 from sidmacib.engines import ENGINES
-from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, detailed
 from workflow.case import JointCase
 from workflow.cases import cases_of

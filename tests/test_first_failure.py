@@ -10,13 +10,11 @@ from conftest import scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.errors import CapacityError
+from sidmacib import CapacityError, pairs_of, static_first_failure
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Elastic, Failure
-from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.rule.law import ELASTIC, JointFailure, first_failure
-from sidmacib.rule.pairs import pairs_of
 
 SMOOTH = replace(DRY, friction=0.0)
 DIRECTIONS = (0.0, 0.1, 0.5, 2.0, math.inf)

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
+from sidmacib import Direction, HoldDown, Joint, Side, UpperBody, static_first_failure, static_peak
 from sidmacib.errors import CapacityError, NoEquilibriumError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
@@ -23,7 +23,6 @@ from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
-from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.rule.law import law, safe
 from sidmacib.rule.reliability import scatter
 from studies.attack.search import DIMENSIONS, SPACES, Space, target_at

@@ -9,13 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib.contact_points.options import OPTIONS
-from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib import OPTIONS, Sidmacib, capacity, limit_load
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import PLATE, assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import Mode, static_peak
 
 WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight()]

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from structures import GROUND, dry
 
+from sidmacib import limit_load, static_peak
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, Vector
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.analysis.forces import InterfaceForce, interface_forces
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration, force_at

@@ -6,23 +6,17 @@ from dataclasses import replace
 
 import pytest
 
+from sidmacib import Demand, Prices, all_candidates, assemble, cheapest, fewest_locks, safe
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
-from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.rule.inverse import (
-    Demand,
-    Prices,
-    all_candidates,
     bonded_area,
     candidate,
-    cheapest,
     cheapest_of,
-    fewest_locks,
     joint_area,
     variants,
     volume_cut,
 )
-from sidmacib.rule.law import safe
 
 SMOOTH = replace(DRY, friction=0.0)
 WEIGHTLESS = Joint(5, a=0.08, H=0.06, density=0.0)

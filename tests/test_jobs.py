@@ -10,11 +10,10 @@ import yaml
 from conftest import ROOT, a_case
 from small import COARSE
 
+from sidmacib import Direction, Joint, Loading
 from sidmacib.engines.engine import FOREIGN, engine_environment
 from sidmacib.engines.run import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.loading import Loading
 from workflow.__main__ import forget_failures
 from workflow.case import JointCase
 from workflow.cases import cases_of

@@ -10,10 +10,8 @@ from analysis.explore import pictures
 from analysis.explore.pictures import answers as explored
 from analysis.explore.pictures import peak, which_counts
 from analysis.explore.state import Settings
+from sidmacib import Direction, Loading, NodeLayout
 from sidmacib.answers.joint import JointAnswer, joint_answer, meshes
-from sidmacib.joint.joint import Direction
-from sidmacib.joint.loading import Loading
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models.static import solve
 from workflow.results.record import record_of
 

@@ -14,11 +14,7 @@ from joints import loaded
 from processes import ROOT, python
 from test_complementary_energy import least_energy_forces
 
-from sidmacib.contact_points.envelope import envelope
-from sidmacib.contact_points.options import OPTIONS
-from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.mechanics.limit import limit_load
+from sidmacib import OPTIONS, Direction, Joint, Sidmacib, capacities, envelope, limit_load
 from sidmacib.mechanics.static.model import static_peak
 
 pytestmark = pytest.mark.study

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib.errors import CapacityError, UnboundedError
+from sidmacib import CapacityError, UnboundedError, static_peak
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
@@ -19,7 +19,6 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
-from sidmacib.mechanics.static.model import static_peak
 
 
 def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:

@@ -8,11 +8,10 @@ import pytest
 from command_runner import answers
 from structures import GROUND, LEANING, dry, on_ground
 
-from sidmacib.errors import CapacityError, InfeasibleError
+from sidmacib import CapacityError, InfeasibleError, static_peak
 from sidmacib.mechanics import sliding
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.blocks import box
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.loads import acceleration

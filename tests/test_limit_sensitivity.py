@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 from structures import BLOCK, GROUND, dry
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib import Direction, Joint, limit_load, vertex_effects
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Vector
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.vertices import vertex_effects
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure

@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib.contact_points.options import OPTIONS
-from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.errors import CapacityError, InfeasibleError
+from sidmacib import OPTIONS, CapacityError, InfeasibleError, Sidmacib, capacity, limit_load
 from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule.law import RULES

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from analysis.summary.summary import spread_lines
+from sidmacib import lowest_peak, static_peak
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.joint.joint import INNER, Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
@@ -17,15 +18,7 @@ from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static import lowest_peak as module
-from sidmacib.mechanics.static.lowest_peak import (
-    LOWER,
-    MOST,
-    MOST_ELASTIC,
-    STARTS,
-    FromElsewhere,
-    lowest_peak,
-)
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.lowest_peak import LOWER, MOST, MOST_ELASTIC, STARTS, FromElsewhere
 from sidmacib.models.static import solve
 from sidmacib.problem import Problem
 from workflow.case import Case, JointSubject

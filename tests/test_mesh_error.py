@@ -11,10 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.tables.collect import ResultErrors, errors_of
+from sidmacib import Elastic, FaceMaterial, NodeLayout, static_peak
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
-from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
 from workflow.case import Case, JointSubject
 from workflow.cases import second_mesh

@@ -10,15 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib.contact_points.options import OPTIONS
-from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib import OPTIONS, Sidmacib, capacity, limit_load, lowest_peak
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push, posed
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout, self_weight
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import StaticSolution, static_peak
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure

@@ -9,11 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import OPTIONS, ContactOption
-from sidmacib.contact_points.programme import Sidmacib
+from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
 from sidmacib.joint.joint import INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, SIZES, unit_warnings, with_parameters
-from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Length
 from sidmacib.rule.law import law, spans_of
 from workflow.configuration import read_study

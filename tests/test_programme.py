@@ -12,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import sidmacib.contact_points.programme as programme_module
+from sidmacib import Direction, InfeasibleError, Joint
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption, contact_points
 from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, programme
-from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.optimisation import solve
 

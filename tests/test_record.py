@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sidmacib import Assembly, Direction, Joint, Loading, NodeLayout, assemble, lock_weights
 from sidmacib.engines.results import (
     HISTORY,
     NODE_COLUMNS,
@@ -20,11 +21,6 @@ from sidmacib.engines.results import (
     read_outcome,
 )
 from sidmacib.errors import ResultError
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.loading import Loading
-from sidmacib.joint.pieces import assemble
-from sidmacib.joint.weights import lock_weights
-from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.problem import Outcome, State

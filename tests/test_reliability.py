@@ -8,19 +8,13 @@ import pytest
 from scipy.stats import binom, lognorm
 
 import sidmacib
+from sidmacib import Reliability, characteristic, design_resistance
 from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static.model import first_failure_of, solver_of
 from sidmacib.rule.law import COARSE, first_failure, weakened
-from sidmacib.rule.reliability import (
-    Reliability,
-    Scatter,
-    at_most_resists,
-    characteristic,
-    design_resistance,
-    scatter,
-)
+from sidmacib.rule.reliability import Scatter, at_most_resists, scatter
 
 PURE_SHEAR = Direction(0.0)
 

@@ -9,11 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.errors import CapacityError
+from sidmacib import CapacityError, Elastic, FaceMaterial, lowest_peak
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.assembly import Elastic, FaceMaterial
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.rule.law import RULES, SAFETY, law, safe
 from sidmacib.rule.pairs import Pairs, bearing_pairs, pairs_of

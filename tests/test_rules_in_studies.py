@@ -10,8 +10,7 @@ from made_up_results import capacity_of, record_with
 from analysis.__main__ import run_case
 from analysis.summary.one_case import describe_rule
 from analysis.tables.capacity import law_rows
-from sidmacib.joint.joint import Direction
-from sidmacib.rule.law import law, safe
+from sidmacib import Direction, law, safe
 from workflow.cases import cases_of, find_place
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study

@@ -12,9 +12,8 @@ import pytest
 from conftest import ROOT, outputs_of
 from small import SMALL
 
+from sidmacib import Direction, Joint, Sidmacib, capacity
 from sidmacib.contact_points.options import OPTIONS, active
-from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml

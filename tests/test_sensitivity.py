@@ -5,14 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from sidmacib.errors import CapacityError
-from sidmacib.joint.effects import Effect, Sensitivity, sensitivity
+from sidmacib import CapacityError, Effect, Elastic, Sensitivity, sensitivity, static_first_failure
 from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.parameters import PARAMETERS, with_parameters
 from sidmacib.joint.pieces import assemble, reassemble
-from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.rule.law import law
 
 SMOOTH = replace(DRY, friction=0.0)

@@ -10,12 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
+from sidmacib import limit_load, static_peak
 from sidmacib.joint.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mechanics.static.softening import Softening
 
 STORED = INNER.cohesion**2 / (2 * INNER.shear_stiffness)  # J/m2, elastically, at failure

@@ -6,12 +6,11 @@ from pathlib import Path
 import pytest
 from conftest import DISTINCT, run_guided
 
+from sidmacib import CapacityError, FaceMaterial, NodeLayout
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.results import read_outcome
-from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import FIXED_PLATE, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, posed
-from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.springs import compliance
 from sidmacib.mechanics.static.model import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem

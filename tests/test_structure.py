@@ -10,12 +10,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from structures import BLOCK, GROUND, dry, moved, on_ground
 
-from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
+from sidmacib import Direction, HoldDown, InfeasibleError, Joint, UpperBody, limit_load, static_peak
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import shared_volume

@@ -12,11 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small import BOTH
 
-from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
+from sidmacib import OPTIONS, READY_OPTIONS, Joint, NodeLayout, OwnLock, UpperBody, assemble
 from sidmacib.engines.engine import Numerics
-from sidmacib.joint.joint import Joint, OwnLock, UpperBody
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study, with_installed_engines

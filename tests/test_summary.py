@@ -10,10 +10,7 @@ from small import TWO_MESHES
 
 from analysis.summary.answers import rule_errors
 from analysis.summary.summary import leading_models, summary
-from sidmacib.contact_points.options import ContactOption
-from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction
-from sidmacib.rule.law import safe
+from sidmacib import ContactOption, Direction, Sidmacib, capacities, safe
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.schema import Study

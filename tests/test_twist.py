@@ -7,12 +7,11 @@ import pytest
 import shapely
 from structures import dry
 
-from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib import NodeLayout, static_peak
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import limit_load, solved
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mechanics.twist import Pressure, linear_pressure
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box

@@ -8,14 +8,12 @@ import pytest
 import yaml
 from command_runner import run
 
+from sidmacib import InfeasibleError, UnboundedError, limit_load, static_peak
 from sidmacib.design.blocking import order_of
 from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import read_task, write_designed
 from sidmacib.design.sizing import carried
-from sidmacib.errors import InfeasibleError, UnboundedError
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.structure_file import read_structure, structure_of
