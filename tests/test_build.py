@@ -47,9 +47,7 @@ def made(found: Found, clearance: Clearance | None = None) -> tuple[Solid, ...]:
 
 
 def arch() -> Found:
-    found = blocks_of_file(ARCH)
-    assert found is not None
-    return found
+    return blocks_of_file(ARCH)
 
 
 def turned(joint: Joint) -> Found:

@@ -28,7 +28,6 @@ def test_the_cheapest_sizes_are_those_of_the_library() -> None:
     (row,) = answers("joint", "-n", "6", "-V", "300", "-M", "5", *SIZES, *vary)
     values = {"a": (0.06, 0.07, 0.08, 0.09, 0.1), "h": (0.006, 0.008)}
     found = cheapest(Joint(6, H=0.06), Demand(300.0, 5.0), values).found
-    assert found is not None
     assert (row["a (m)"], row["h (m)"]) == (found.joint.a, found.joint.h)
     assert (row["safe V (N)"], row["safe M (N m)"]) == (found.shear, found.torque)
 

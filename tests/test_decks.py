@@ -37,7 +37,6 @@ def static_outcome(case: JointCase) -> Outcome:
 def returned(case: JointCase, load: float) -> str:
     """What 3DEC would print if it found what the static model finds."""
     assembly, peak = case.subject.problem().assembly, static_outcome(case).path[-1]
-    assert peak.force is not None
     nodes = assembly.nodes
     forces = force_to_stress(nodes, face_frames(assembly), peak.force) * nodes.area[:, None]
     lines = [

@@ -37,7 +37,6 @@ def test_a_whole_number_of_locks_is_the_least_that_is_enough() -> None:
     needs = (LOAD - FRICTION * free_weight(blocks)) / T1
     assert found.cost == np.ceil(needs) == 2.0
     (layout,) = choice_of(given, found.parts)
-    assert layout is not None
     assert layout.run == (1.0, 0.0, 0.0)  # across the push
     (state,) = carried(given, [layout])
     assert state.factor == pytest.approx((2 * T1 + FRICTION * free_weight(blocks)) / LOAD, rel=1e-7)

@@ -46,9 +46,7 @@ def test_every_node_force_acts_on_two_pieces_in_balance(joint: Joint) -> None:
 def test_a_rigid_motion_of_all_pieces_moves_no_node(joint: Joint) -> None:
     model = assemble(joint, 0.02, NodeLayout.CENTRES)
     shift, turn = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.1, -0.7])
-    motion = np.concatenate(
-        [np.concatenate([shift + np.cross(turn, p.centre), turn]) for p in model.pieces]
-    )
+    motion = np.array([[*(shift + np.cross(turn, p.centre)), *turn] for p in model.pieces]).ravel()
     assert equilibrium_matrix(model).T @ motion == pytest.approx(0.0, abs=1e-12)
 
 
@@ -74,9 +72,7 @@ def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
 def test_inertia_is_that_of_a_cuboid() -> None:
     # By points all over it: the integral of m (x^2 + y^2) / volume, and so on.
     piece = Cuboid("block", (0.0, 1.0, -2.0), (0.3, 1.5, -1.2), mass=7.0)
-    axes = [
-        low + (np.arange(60) + 0.5) / 60 * d for low, d in zip(piece.low, piece.size, strict=True)
-    ]
+    axes = np.add(piece.low, (np.arange(60)[:, None] + 0.5) / 60 * piece.size).T
     squares = [np.mean((axis - axis.mean()) ** 2) for axis in axes]
     expected = [7.0 * (sum(squares) - square) for square in squares]
     assert piece.inertia == pytest.approx(expected, rel=1e-3)

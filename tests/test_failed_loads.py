@@ -59,7 +59,6 @@ def test_a_block_on_a_slope_slides_between_the_last_angle_and_the_failed_one() -
 def test_first_failures_and_broken_bonds_are_at_carried_loads(load: dict[str, Any]) -> None:
     found = structure_static.solve(structure_of({**BONDED, "load": load}))
     peak, first = found.path[-1].load, found.first_failure_load
-    assert first is not None
     assert 0.0 < first <= peak
     assert all(broken == pytest.approx(first, rel=1e-4) for broken in found.broken_at.values())
     assert found.broken_at or load is TILT  # where the peak is the first failure, it has none

@@ -118,7 +118,6 @@ def test_the_cheapest_is_that_of_trying_all(demand: Demand, prices: Prices) -> N
         if safe(joint, demand.direction(joint)).load >= demand.load(joint)
     ]
     search = cheapest(WEIGHTLESS, demand, VALUES, prices)
-    assert search.found is not None
     assert prices.of(search.found.joint) == min(price for price, _ in priced)
     assert search.found == cheapest_of(all_candidates(WEIGHTLESS, demand, VALUES), prices)
     assert not any(each.meets for each in search.tried[:-1])
@@ -136,7 +135,6 @@ def test_a_bound_from_the_law_is_above_the_safe_load() -> None:
     joint, demand = Joint(9, a=0.08), Demand(500.0, ratio=0.3)
     bound, exact = (candidate(joint, demand, exact=exact) for exact in (False, True))
     assert not bound.exact and exact.exact
-    assert bound.load is not None and exact.load is not None
     assert exact.load <= bound.load < demand.load(joint)
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sidmacib.joint.joint import INNER, Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
-from sidmacib.mechanics.assembly import Cuboid, FaceMaterial, Kind, NodeLayout, Rectangle
+from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Kind, NodeLayout, Rectangle
 
 
 def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:
@@ -50,9 +50,13 @@ joints = st.builds(
 )
 
 
+def on_coarse_cells(joint: Joint) -> Assembly:
+    return assemble(joint, 0.99 * joint.least_side, NodeLayout.CENTRES)
+
+
 @given(joints)
 def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
-    model = assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES)
+    model = on_coarse_cells(joint)
     locks = lock_faces(joint)
     inner = {locks[face.name]: face for face in model.faces if face.name in locks}
     assert sorted(inner) == list(range(1, joint.locks + 1))
@@ -64,18 +68,15 @@ def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
 
 @given(joints)
 def test_pieces_fill_the_upper_block_and_the_locks(joint: Joint) -> None:
-    free = [
-        piece
-        for piece in assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES).pieces
-        if not piece.fixed
-    ]
+    pieces = on_coarse_cells(joint).pieces
     volume = joint.a * joint.b * joint.locks * (joint.h + joint.H)
-    assert sum(piece.mass for piece in free) == pytest.approx(joint.density * volume)
+    mass = sum(piece.mass for piece in pieces if not piece.fixed)
+    assert mass == pytest.approx(joint.density * volume)
 
 
 @given(joints)
 def test_faces_lie_on_both_of_their_pieces(joint: Joint) -> None:
-    model = assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES)
+    model = on_coarse_cells(joint)
     for face in model.faces:
         below, above = model.pieces[face.below], model.pieces[face.above]
         assert below.high[face.axis] == pytest.approx(above.low[face.axis])

@@ -65,9 +65,7 @@ def test_strengths_of_a_bonded_arch_agree_with_differences(name: str) -> None:
         changed = with_material(problem.assembly, replace(material, **{name: value * share}))
         loads.append(limit_load(changed, problem.loads, friction=True).load)
     central = (loads[0] - 8.0 * loads[1] + 8.0 * loads[2] - loads[3]) / (0.36 * value)
-    found = by(problem, name, material)
-    assert found is not None
-    load = limit_load(*problem, friction=True).load
+    found, load = by(problem, name, material), limit_load(*problem, friction=True).load
     assert found * value / load == pytest.approx(central * value / load, abs=1e-6)
 
 

@@ -40,10 +40,8 @@ def far() -> StaticSolution:
 
 def record(locks: int, ratio: float) -> JointRecord:
     loading = Loading(Direction(ratio))
-    case = Case(
-        "n", "static", "reference", JointSubject("n", Joint(locks), 0.02, NODES, loading), None
-    )
-    return solved(case, solve)[0]
+    subject = JointSubject("n", Joint(locks), 0.02, NODES, loading)
+    return solved(Case("n", "static", "reference", subject, None), solve)[0]
 
 
 # --- what is found -------------------------------------------------------------------------------
@@ -95,9 +93,7 @@ def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
 
 
 # --- how long it is sought -----------------------------------------------------------------------
-@pytest.mark.parametrize(
-    "joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)], ids=["first failure", "ductile"]
-)
+@pytest.mark.parametrize("joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)])
 def test_no_lower_peak_is_sought_below_the_first_failure_or_of_bonds_that_yield(
     joint: Joint, monkeypatch: pytest.MonkeyPatch
 ) -> None:

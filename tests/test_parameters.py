@@ -74,8 +74,6 @@ def test_a_parameter_is_set_where_it_is_read_and_nothing_else_changes(name: str)
 
 
 # --- anything else -------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("name", "value", "allowed"),
     [

@@ -45,14 +45,11 @@ def write_engine_files(folder: Path, case: JointCase) -> Assembly:
     """What an engine would write if it found what the static model finds."""
     assembly, found = parts(case)
     peak = found.path[-1]
-    assert peak.force is not None
-    assert peak.bonded is not None
     stress = force_to_stress(assembly.nodes, face_frames(assembly), peak.force)
     lines = [",".join(NODE_COLUMNS)]
     nodes = assembly.nodes
-    for number, place, area, values, bonded in zip(
-        nodes.face, nodes.position, nodes.area, stress, peak.bonded, strict=True
-    ):
+    rows = zip(nodes.face, nodes.position, nodes.area, stress, peak.bonded, strict=True)
+    for number, place, area, values, bonded in rows:
         face = assembly.faces[number]
         numbers = ",".join(repr(float(v)) for v in (*place, area, *values))
         lines.append(f"{face.name},{face.kind},{numbers},{int(bonded)}")
@@ -102,8 +99,7 @@ def test_results_that_cannot_be_are_refused_with_file_and_line(
     assert old in text
     (tmp_path / name).write_text(text.replace(old, new, 1))
     with pytest.raises(ResultError, match=message):
-        found = read_outcome(tmp_path, assembly)
-        record_of(case, case.subject.problem(), found, {})
+        record_of(case, case.subject.problem(), read_outcome(tmp_path, assembly), {})
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
@@ -120,9 +116,8 @@ def test_a_node_without_a_number_is_named(tmp_path: Path, column: int, value: st
 
 def test_nodes_of_another_joint_are_refused(tmp_path: Path) -> None:
     write_engine_files(tmp_path, case_of(joint=replace(JOINT, a=0.07)))
-    assembly = assemble(JOINT, 0.03, NodeLayout.CENTRES)
     with pytest.raises(ResultError, match=r"nodes.csv"):
-        read_outcome(tmp_path, assembly)
+        read_outcome(tmp_path, assemble(JOINT, 0.03, NodeLayout.CENTRES))
 
 
 @pytest.mark.parametrize(
@@ -155,7 +150,6 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
     case = case_of(ratio)
     record, assembly, found = solved(case, static.solve)
     force, strength = found.path[-1].force, JOINT.T0
-    assert force is not None
     locks = lock_weights(JOINT, assembly, force)
     for recorded, lock in zip(record.part.weights, locks, strict=True):
         assert (recorded.lock, recorded.block) == (lock.lock, lock.block)
@@ -183,16 +177,14 @@ def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path)
     [(100.0, 100.1, False), (100.0, 100.2, True), (1.0, 1.02, False), (1.0, 10.0, True)],
 )
 def test_a_failed_load_is_held_to_the_tolerance(peak: float, failed: float, refused: bool) -> None:
-    found = Outcome((State(peak),), failed)
     with pytest.raises(ResultError, match="the tolerance, above") if refused else nullcontext():
-        check_bracket(found, 0.001, 20.0)
+        check_bracket(Outcome((State(peak),), failed), 0.001, 20.0)
 
 
 @pytest.mark.parametrize(("peak", "refused"), [(79.0, True), (81.0, False), (300.0, False)])
 def test_a_peak_far_below_the_static_first_failure_is_no_result(peak: float, refused: bool) -> None:
-    found = Outcome((State(peak),), peak)
     with pytest.raises(ResultError, match="nothing fails up to") if refused else nullcontext():
-        check_first_failure(found, 100.0)
+        check_first_failure(Outcome((State(peak),), peak), 100.0)
 
 
 @pytest.mark.parametrize(("factor", "refused"), [(1.0, False), (1.04, False), (1.2, True)])
@@ -200,7 +192,6 @@ def test_stresses_that_do_not_balance_the_loads_are_refused(factor: float, refus
     case = case_of(0.5)
     _, found = parts(case)
     peak = found.path[-1]
-    assert peak.force is not None
     wrong = replace(found, path=(*found.path[:-1], replace(peak, force=factor * peak.force)))
     with pytest.raises(ResultError, match="do not balance") if refused else nullcontext():
         record_of(case, case.subject.problem(), wrong, {})

@@ -51,10 +51,8 @@ def test_every_column_has_a_heading_that_can_be_read_and_a_meaning() -> None:
 
 
 def test_names_of_models_rules_and_quantities_are_in_words() -> None:
-    table = pd.DataFrame(
-        {"model": ["static"], "reduction": ["half"], "quantity": ["weight_lock1"], "option": [None]}
-    )
-    found = words({"fit": table})
+    row = {"model": "static", "reduction": "half", "quantity": "weight_lock1", "option": None}
+    found = words({"fit": pd.DataFrame([row])})
     assert found["model"] == {"static": "static model"}
     assert found["reduction"] == {"half": "(n - 1) / 2 locks count"}
     assert found["quantity"] == {"weight_lock1": "weight of lock 1"}
@@ -91,7 +89,6 @@ def case_of() -> JointCase:
 def test_nodes_lie_on_the_inner_face_of_their_lock() -> None:
     case = case_of()
     joint, found = case.subject.joint, path_of(case)
-    assert found is not None
     assert [face["lock"] for face in found["faces"]] == [1, 2, 3]
     for face in found["faces"]:
         lock = face["lock"]
@@ -106,14 +103,10 @@ def test_stresses_stand_at_their_nodes() -> None:
     """They give the shear and, with the places of the nodes, the torque that a lock carries."""
     case = case_of()
     found = path_of(case)
-    assert found is not None
     problem = case.subject.problem()
     peak, nodes = static_peak(*problem).peak, problem.assembly.nodes
-    stress = (
-        np.hypot(peak.force[:, 1], peak.force[:, 2])
-        / nodes.area
-        / case.subject.joint.inner.cohesion
-    )
+    shear = np.hypot(peak.force[:, 1], peak.force[:, 2])
+    stress = shear / nodes.area / case.subject.joint.inner.cohesion
     for face, shear in zip(found["faces"], found["steps"][-1]["shear"], strict=True):
         place = np.column_stack([face["x"], face["y"], np.full(len(shear), face["z"])])
         for where, value in zip(place, shear, strict=True):
@@ -124,12 +117,10 @@ def test_stresses_stand_at_their_nodes() -> None:
 def test_loads_are_those_of_the_static_model() -> None:
     case = case_of()
     found = path_of(case)
-    assert found is not None
     solution = static_peak(*case.subject.problem())
     assert found["first"] == pytest.approx(solution.first_failure_load, rel=1e-5)
     assert found["steps"][-1]["load"] == pytest.approx(solution.peak.load, rel=1e-5)
-    assert found["curve"][-1] == pytest.approx(
-        [solution.peak.displacement, solution.peak.load], rel=1e-4
-    )
+    peak = [solution.peak.displacement, solution.peak.load]
+    assert found["curve"][-1] == pytest.approx(peak, rel=1e-4)
     lost = [face["fails_from"] for face in found["faces"] if face["fails_from"] is not None]
     assert all(solution.first_failure_load <= load <= solution.peak.load for load in lost)

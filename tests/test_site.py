@@ -151,8 +151,7 @@ def test_the_studies_and_the_examples_name_their_schemas() -> None:
     ],
 )
 def test_a_fault_is_seen_by_an_editor(keys: tuple[str, ...], value: Any, place: str) -> None:
-    study = read_yaml(ROOT / "config.yaml")
-    section = study
+    section = study = read_yaml(ROOT / "config.yaml")
     for key in keys[:-1]:
         section = section[key]
     section[keys[-1]] = value
