@@ -1,5 +1,7 @@
 """An assembly that is no joint: a stack of dry blocks, tilted until they slide or fall."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from sidmacib import Assembly, FaceMaterial, Loads, NodeLayout
@@ -35,9 +37,8 @@ def tilted_stack(
         ),
     )
     dry = FaceMaterial(stiffness, stiffness, friction, cohesion=0.0, tensile_strength=0.0)
-    faces = tuple(
-        shared_face(f"bed{i + 1}", Kind.DRY, dry, pieces, (i, i + 1)) for i in range(blocks)
-    )
+    pairs = pairwise(range(blocks + 1))
+    faces = tuple(shared_face(f"bed{k}", Kind.DRY, dry, pieces, (i, k)) for i, k in pairs)
     weight = self_weight(pieces)
     weight[0] = 0.0  # the ground carries itself
     variable = np.zeros_like(weight)

@@ -210,11 +210,8 @@ def test_bonds_gravity_that_turns_and_moving_supports_have_no_capacity_curve() -
 
 def test_a_curve_ends_where_blocks_meet_that_did_not_touch() -> None:
     gap = 0.1
-    blocks = [
-        GROUND,
-        BLOCK,
-        box("post", (WIDTH + gap, 0, 0), (WIDTH + gap + 0.2, DEPTH, 2 * HEIGHT), 2e3),
-    ]
+    post = box("post", (WIDTH + gap, 0, 0), (WIDTH + gap + 0.2, DEPTH, 2 * HEIGHT), 2e3)
+    blocks = [GROUND, BLOCK, post]
     model = structure(blocks, dry(0.7))
     loads = force_at(model, "block", (0.0, DEPTH / 2, HEIGHT), ALONG_X)
     curve = capacity_curve(model, loads)

@@ -62,10 +62,8 @@ def least_energy_forces(
     weight = np.sqrt(softness / softness.sum() * 3.0)
     energy = cp.sum_squares(cp.multiply(weight, force))
     shear = cp.norm(force[dry, 1:], 2, axis=1)
-    balanced = [
-        csr_array(matrix) @ cp.vec(force, order="C") == target / largest,
-        force[dry, 0] >= 0,
-    ]
+    equal = csr_array(matrix) @ cp.vec(force, order="C") == target / largest
+    balanced = [equal, force[dry, 0] >= 0]
     what = f"least complementary energy at {load:g} N"
     cone = shear <= cp.multiply(contact_law.friction[dry], force[dry, 0])
     solve(cp.Problem(cp.Minimize(energy), [*balanced, cone]), what)
@@ -93,9 +91,8 @@ def first_failure_load(assembly: Assembly, loads: Loads, rule: FrictionRule) -> 
     state = NodeState.initial(contact_law)
     load = 0.1 * loads.scale
     for _ in range(50):
-        used = utilisation(
-            contact_law, state, least_energy_forces(assembly, loads, load, rule)
-        ).max()
+        forces = least_energy_forces(assembly, loads, load, rule)
+        used = utilisation(contact_law, state, forces).max()
         if abs(used - 1.0) <= 1e-4:
             return load
         load /= float(used)

@@ -67,9 +67,8 @@ def test_the_nodes_of_a_face_have_its_area_and_its_middle(layout: NodeLayout, me
     for number, face in enumerate(model.faces):
         on_face = model.nodes.face == number
         assert model.nodes.area[on_face].sum() == pytest.approx(face.area)
-        middle = np.average(
-            model.nodes.position[on_face], axis=0, weights=model.nodes.area[on_face]
-        )
+        places, areas = model.nodes.position[on_face], model.nodes.area[on_face]
+        middle = np.average(places, axis=0, weights=areas)
         assert middle == pytest.approx((np.array(face.low) + face.high) / 2)
         assert np.ptp(model.nodes.position[on_face], axis=0)[face.axis] == 0.0
 
@@ -105,9 +104,8 @@ def test_the_first_failure_under_torque_converges_at_the_order_of_the_layout(
     joint = Joint(3)
     limit = solved(joint, 0.0025, NodeLayout.LOBATTO, math.inf).first_failure_load
     meshes = (0.02, 0.01, 0.005)
-    errors = [
-        solved(joint, mesh, layout, math.inf).first_failure_load / limit - 1.0 for mesh in meshes
-    ]
+    firsts = (solved(joint, mesh, layout, math.inf).first_failure_load for mesh in meshes)
+    errors = [first / limit - 1.0 for first in firsts]
     found = -np.polyfit(np.log(1.0 / np.array(meshes)), np.log(errors), 1)[0]
     assert found == pytest.approx(order, abs=0.3)
     assert min(errors) > 0.0  # from above: unsafe

@@ -184,10 +184,8 @@ def niche() -> dict[str, Any]:
     given["design"]["angles"] = [0, 90]
     up = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 0, 1]}
     side = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 1, 0]}
-    given["design"]["cases"] = {
-        "up": {"force": up, "newtons": 3500},
-        "side": {"force": side, "newtons": 2500},
-    }
+    cases = {"up": {"force": up, "newtons": 3500}, "side": {"force": side, "newtons": 2500}}
+    given["design"]["cases"] = cases
     return given
 
 

@@ -97,9 +97,8 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
     """Vertices, from the lowest on the left, of all sums of ``sides`` (K, 2) times -1 to 1."""
     sides = sides * np.where(sides[:, :1] < 0, -1.0, 1.0)
     around = sides[np.argsort(sides[:, 1] / sides[:, 0])]
-    return -sides.sum(axis=0) + 2 * np.cumsum(
-        np.vstack([np.zeros(2), around, -around[:-1]]), axis=0
-    )
+    turns = np.vstack([np.zeros(2), around, -around[:-1]])
+    return -sides.sum(axis=0) + 2 * np.cumsum(turns, axis=0)
 
 
 @settings(max_examples=20)
@@ -197,10 +196,7 @@ def test_the_sum_of_weights_counts_rounded_down_and_at_most_all_locks(sum_: floa
 
 
 DIRECTIONS = [Direction(e) for e in (0.0, 0.2, -0.2, 1.0, -5.0, math.inf, -math.inf)]
-DIFFERENT = {
-    1: OwnLock(width=0.09, inner=replace(INNER, cohesion=2e5)),
-    2: OwnLock(density=9e3),
-}
+DIFFERENT = {1: OwnLock(width=0.09, inner=replace(INNER, cohesion=2e5)), 2: OwnLock(density=9e3)}
 
 
 @settings(max_examples=25)

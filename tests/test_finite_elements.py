@@ -16,9 +16,8 @@ POISSON = 0.2
 
 
 def grid(size: Floats, *cells: int) -> Grid:
-    x, y, z = (
-        tuple(np.linspace(-s / 2, s / 2, n + 1).tolist()) for s, n in zip(size, cells, strict=True)
-    )
+    ends = zip(size, cells, strict=True)
+    x, y, z = (tuple(np.linspace(-s / 2, s / 2, n + 1).tolist()) for s, n in ends)
     return x, y, z
 
 

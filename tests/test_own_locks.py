@@ -49,9 +49,8 @@ def weights(joint: Joint, loading: Loading) -> tuple[LockWeight, ...]:
 def mirrored(joint: Joint) -> Joint:
     """The same joint seen from behind: its last lock is the first."""
     last = Side.UPPER if joint.is_upper(joint.locks) else Side.LOWER
-    different = {
-        joint.locks + 1 - number: changes for number, changes in dict(joint.different).items()
-    }
+    own = dict(joint.different).items()
+    different = {joint.locks + 1 - number: changes for number, changes in own}
     return replace(joint, first=last, different=different)
 
 

@@ -67,9 +67,8 @@ def test_a_parameter_is_set_where_it_is_read_and_nothing_else_changes(name: str)
     joint = with_parameters(BENDS, {name: value})
     assert PARAMETERS[name].of(joint) == value
     assert with_parameters(joint, {name: PARAMETERS[name].of(BENDS)}) == BENDS
-    changed = {
-        each for each in PARAMETERS if PARAMETERS[each].of(joint) != PARAMETERS[each].of(BENDS)
-    }
+    every = PARAMETERS.values()
+    changed = {each.name for each in every if each.of(joint) != each.of(BENDS)}
     assert changed == {name}
 
 

@@ -78,9 +78,8 @@ def test_what_is_beyond_the_study_is_refused(rule: Any, others: dict[str, Any], 
 
 
 def test_the_ends_of_the_spans_are_inside() -> None:
-    low = Joint(
-        2, a=0.025, h=0.003, H=0.015, dry=replace(DRY, normal_stiffness=5e6, shear_stiffness=5e7)
-    )
+    soft = replace(DRY, normal_stiffness=5e6, shear_stiffness=5e7)
+    low = Joint(2, a=0.025, h=0.003, H=0.015, dry=soft)
     assert law(low, Direction(0.0)).load > 0.0
 
 

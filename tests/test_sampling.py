@@ -143,9 +143,8 @@ def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) 
 
 def test_more_freedom_never_fits_worse(points: pd.DataFrame) -> None:
     table = freedoms_table(points)
-    misfit = table.pivot_table(
-        index=["upper_body", "locks"], columns="freedom", values="mean_misfit"
-    )
+    rows = ["upper_body", "locks"]
+    misfit = table.pivot_table(index=rows, columns="freedom", values="mean_misfit")
     assert (misfit["own three points"] <= misfit["own pair"] + 1e-12).all()
     assert (misfit["own pair"] <= misfit["one pair for all"] + 1e-12).all()
     assert (misfit["own pair"] <= misfit["option4"] + 0.02).all()  # positions are a grid

@@ -81,9 +81,8 @@ def test_loads_are_printed_as_shear_and_torque_for_each_ratio_of_eccentricity(
 
 
 def test_a_rule_that_refuses_says_why_in_the_summary() -> None:
-    study = study_of(
-        samples={"long": {"locks": 33}, "weak": {"locks": 3}}, eccentricities=[0, "torsion"]
-    )
+    samples = {"long": {"locks": 33}, "weak": {"locks": 3}}
+    study = study_of(samples=samples, eccentricities=[0, "torsion"])
     text = summary("there", tables_for(study), [0.02, 0.01])
     assert "long no answer, see below; weak V " in text
     assert text.count("  - long: locks: 33 is not allowed; it must be from 2 to 31") == 2
