@@ -19,6 +19,7 @@ Edge = tuple[int, int]
 Surface = tuple[Floats, list[Face]]  # vertices, (V, 3), and faces: numbers of these
 AS_IT_IS: Floats = np.eye(3)
 SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart are one
+DEPTH = 0.1  # over its size: of a block in place of a flat support
 INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
 
 
@@ -34,6 +35,7 @@ def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density:
     places, faces = _welded(places, faces, FLAT)
     if not faces:
         raise ValueError(f"{name}: has no faces with an area")
+    places, faces = _compact(places, faces)  # as other bodies may have vertices, too
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     thick = [face for face in faces if _thickness(places[list(face)]) > FLAT * size]
     kept = _divided(_once(thick), places, FLAT * size)
@@ -42,6 +44,22 @@ def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density:
     places, kept = _compact(places, _in_planes(name, kept, places, size))
     vertices = tuple((float(x), float(y), float(z)) for x, y, z in places)
     return Block(name, vertices, tuple(kept), density)
+
+
+def with_depth(places: Floats, faces: Sequence[Face]) -> Surface:
+    """A surface with sides and a bottom, if it is flat: the ground is often a single face.
+
+    Arguments as of `repaired`; z is up. What is not flat, or stands upright, stays as it is.
+    """
+    size, normal = float(np.linalg.norm(np.ptp(places, axis=0))), normal_of(places[list(faces[0])])
+    if abs(normal[2]) <= FLAT or np.ptp(places @ normal) > FLAT * size:
+        return places, list(faces)
+    count, once = len(places), _once(faces)
+    border = [e for e, beside in _sides(once).items() if len(beside) == 1]
+    sides = [(one, other, other + count, one + count) for one, other in border]
+    bottom = [tuple(vertex + count for vertex in face) for face in once]
+    down = -np.sign(normal[2]) * DEPTH * size * normal
+    return np.vstack([places, places + down]), [*once, *sides, *bottom]
 
 
 def chosen(asked: Sequence[object], names: Sequence[str], allowed: str) -> set[str]:
