@@ -20,6 +20,7 @@ Surface = tuple[Floats, list[Face]]  # vertices, (V, 3), and faces: numbers of t
 AS_IT_IS: Floats = np.eye(3)
 SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart are one
 DEPTH = 0.1  # over its size: of a block in place of a flat support
+FLATTEST = 0.99  # least cosine between the normals of its faces
 INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
 
 
@@ -47,18 +48,21 @@ def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density:
 
 
 def with_depth(places: Floats, faces: Sequence[Face]) -> Surface:
-    """A surface with sides and a bottom, if it is flat: the ground is often a single face.
+    """A surface with sides and a bottom, if it is open and flat: the ground is often one face.
 
-    Arguments as of `repaired`; z is up. What is not flat, or stands upright, stays as it is.
+    Arguments as of `repaired`; z is up. What is closed, or stands upright, stays as it is.
     """
-    size, normal = float(np.linalg.norm(np.ptp(places, axis=0))), normal_of(places[list(faces[0])])
-    if abs(normal[2]) <= FLAT or np.ptp(places @ normal) > FLAT * size:
-        return places, list(faces)
-    count, once = len(places), _once(faces)
-    border = [e for e, beside in _sides(once).items() if len(beside) == 1]
+    places, welded = _welded(places, faces, FLAT)
+    once = _once(welded)
+    border = [edge for edge, beside in _sides(once).items() if len(beside) == 1]
+    size, count = float(np.linalg.norm(np.ptp(places, axis=0))), len(places)
+    normals = np.array([normal_of(places[list(face)]) for face in once])
+    flat = np.abs(normals @ normals[0]).min() > FLATTEST
+    if not border or not flat or abs(normals[0, 2]) <= FLAT:
+        return places, welded
     sides = [(one, other, other + count, one + count) for one, other in border]
     bottom = [tuple(vertex + count for vertex in face) for face in once]
-    down = -np.sign(normal[2]) * DEPTH * size * normal
+    down = -np.sign(normals[0, 2]) * DEPTH * size * normals[0]
     return np.vstack([places, places + down]), [*once, *sides, *bottom]
 
 
