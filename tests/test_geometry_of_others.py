@@ -143,6 +143,35 @@ def test_a_vertex_on_an_edge_divides_it() -> None:
     assert repaired("cube", np.array(middle), faces, 2e3).volume == pytest.approx(1.0)
 
 
+def test_a_folded_face_is_cut_at_its_fold_whichever_vertex_is_first(tmp_path: Path) -> None:
+    """As where two bricks of a dome were joined: a roof of 2 m by 1 m, 0.2 m thick upright."""
+    plan = [(0, 0, 0), (1, 0, 0.5), (2, 0, 0), (2, 1, 0), (1, 1, 0.5), (0, 1, 0)]
+    places = np.array([*plan, *((x, y, z - 0.2) for x, y, z in plan)], float)
+    sides = [(k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6) for k in range(6)]
+    for start in range(6):
+        top = tuple((start + k) % 6 for k in range(6))
+        faces = [top, tuple(6 + k for k in reversed(top)), *sides]
+        roof = repaired("roof", places, faces, 2e3)
+        assert roof.volume == pytest.approx(0.4)
+        lines = [f"v {x} {y} {z}" for x, y, z in places]
+        lines += ["f\t" + " ".join(f"{k + 1}//1" for k in face) for face in faces]
+        (tmp_path / "roof.obj").write_text("\n".join(lines))
+        (found,) = blocks_from_mesh(tmp_path / "roof.obj", 2e3).values()
+        assert found.volume == pytest.approx(0.4)
+
+
+def test_two_blocks_are_cut_alike_where_they_share_a_warped_face() -> None:
+    """Each writes it from another vertex."""
+    lifted = 0.2 * (CUBE.places[:, :2] == 1.0).all(axis=1)[:, None] * np.array([0.0, 0.0, 1.0])
+    below = repaired("below", CUBE.places + CUBE.places[:, 2:] * lifted, CUBE.faces, 2e3)
+    from_next = [(*face[1:], face[0]) for face in CUBE.faces]
+    above = repaired("above", CUBE.places + np.array([0.0, 0.0, 1.0]) + lifted, from_next, 2e3)
+    for start in (CUBE.faces, from_next):
+        again = repaired("below", CUBE.places + CUBE.places[:, 2:] * lifted, start, 2e3)
+        assert again.volume == below.volume
+        assert len(interfaces([again, above])) == 2
+
+
 def test_an_open_body_is_named_with_the_place_and_a_remedy() -> None:
     with pytest.raises(
         ValueError, match=r"^cube: .*edge between \(.*\) and \(.*\) .*close the hole"

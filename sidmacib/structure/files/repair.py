@@ -1,9 +1,10 @@
 """Blocks from surfaces as files have them: welded, closed, turned outwards, of plane faces."""
 
+import math
 from collections import deque
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -21,6 +22,7 @@ AS_IT_IS: Floats = np.eye(3)
 SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart are one
 DEPTH = 0.1  # over its size: of a block in place of a flat support
 FLATTEST = 0.99  # least cosine between the normals of its faces
+MOST_CORNERS = 16  # of a folded face whose cuts are all tried
 INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
 
 
@@ -121,11 +123,30 @@ def _welded(
 
 
 def planes(face: Face, places: Floats, size: float) -> list[Face]:
-    """The face itself if it is plane, otherwise triangles from its first vertex."""
-    if len(face) > 3 and off_plane(places[list(face)]) > FLAT * size:
-        first, *rest = face
-        return [(first, one, other) for one, other in pairwise(rest)]
-    return [face]
+    """The face itself if it is plane, otherwise parts of it that are, or triangles.
+
+    It is cut where it is folded: by the diagonal that leaves the flattest parts, of equal ones the
+    shortest, so that two blocks which share a warped face are cut alike.
+    """
+    if len(face) == 3 or off_plane(places[list(face)]) <= FLAT * size:
+        return [face]
+    whole = normal_of(places[list(face)])
+
+    def bent(cut: tuple[Face, Face]) -> tuple[bool, int, float, tuple[float, ...]]:
+        parts = [places[list(part)] for part in cut]
+        outside = min(float(normal_of(part) @ whole) for part in parts) <= 0.0
+        ends = sorted(places[[cut[0][0], cut[0][-1]]].tolist())
+        length = round(math.dist(*ends) / size / FLAT) * FLAT
+        off = max(map(off_plane, parts))
+        return outside, math.ceil(off / size / FLAT - 1.0), length, tuple(ends[0])
+
+    cuts = [
+        (face[one : other + 1], (*face[other:], *face[: one + 1]))
+        for one, other in combinations(range(len(face)), 2)
+        if 1 < other - one < len(face) - 1
+        and (len(face) <= MOST_CORNERS or other - one == len(face) // 2)
+    ]
+    return [plane for part in min(cuts, key=bent) for plane in planes(part, places, size)]
 
 
 def _thickness(corners: Floats) -> float:
