@@ -181,7 +181,7 @@ def test_an_open_body_is_named_with_the_place_and_a_remedy() -> None:
 
 def test_a_body_is_flat_by_its_own_size_not_by_that_of_all_in_its_file() -> None:
     small = 0.1 * CUBE.places
-    small[6] += (0.0, 0.0, 3e-7)  # rounding, beyond a millionth of this body alone
+    small[6] += (0.0, 0.0, 1e-6)  # rounding, beyond a millionth of this body alone
     both = np.vstack([small, CUBE.places + 10.0])
     assert repaired("stone", both, CUBE.faces, 2e3).volume == pytest.approx(1e-3, rel=1e-5)
 
@@ -225,7 +225,9 @@ def test_blocks_may_be_fixed_by_their_height(file: str) -> None:
 
 def test_a_file_without_supports_is_told_how_to_name_them() -> None:
     ended = run("assembly", str(CASES / "yup.obj"), "--up", "y")
-    assert ended.output.splitlines()[-1].endswith("name those that cannot move (--fixed)")
+    assert ended.output.splitlines()[-1].endswith(
+        "name those that cannot move: --fixed, --fixed-below"
+    )
 
 
 def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> None:
