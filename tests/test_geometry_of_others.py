@@ -11,7 +11,7 @@ import trimesh
 from command_runner import answers, run
 from structures import dry
 
-from sidmacib.structure.blocks import box
+from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.repair import bodies_in, repaired
@@ -105,6 +105,16 @@ def test_a_proposed_tolerance_is_allowed() -> None:
         interfaces([CUBE, plate])
     near = float(str(refused.value).rpartition("tolerance: ")[2].split()[0])
     assert len(interfaces([CUBE, plate], near)) == 1
+
+
+def test_what_shares_most_of_its_volume_does_not_touch_whatever_the_tolerance() -> None:
+    """Where blocks are not convex: two angles in nearly one place, as in a file of two variants."""
+    outline = [(0, 0, 0), (1, 0, 0), (1, 0, 0.5), (0.5, 0, 0.5), (0.5, 0, 1), (0, 0, 1)]
+    one = prism("one", outline, (0, 1, 0), 2e3)
+    other = prism("other", [(x + 0.1, y, z) for x, y, z in outline], (0, 1, 0), 2e3)
+    for near in (1e-6, 0.1):
+        with pytest.raises(ValueError, match=r"^blocks: one and other overlap by 0\.65 m3$"):
+            interfaces([one, other], near)
 
 
 def test_a_block_that_touches_nothing_is_told_the_tolerance() -> None:

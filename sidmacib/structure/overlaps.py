@@ -12,6 +12,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.blocks import Block
 
 WIDEST = 0.1  # largest tolerance, over the mean size of the blocks
+MOST_SHARED = 0.5  # of a block's volume, as no tolerance is above half of the thinnest block
 PARALLEL = 1e-6  # least length of the cross product of two unit vectors that gives a direction
 
 
@@ -42,8 +43,8 @@ def require_apart(blocks: Sequence[Block], near: float, remedy: Callable[[float]
     """ValueError for blocks that overlap by more than ``near`` (m), with those that do most.
 
     Pairs of fixed blocks may overlap. Blocks that are not convex overlap if the volume that they
-    share is more than a layer of that thickness on the smaller one. ``remedy``: what takes an
-    overlap (m) as touching, in words, if anything does.
+    share is more than a layer of that thickness on the smaller one, or than half of that.
+    ``remedy``: what takes an overlap (m) as touching, in words, if anything does.
     """
     most, words, count = near, "", 0
     for one, other in candidates(blocks, near):
@@ -54,6 +55,8 @@ def require_apart(blocks: Sequence[Block], near: float, remedy: Callable[[float]
             surface = min(_surface(one), _surface(other))
             volume = shared_volume(one, other, near * surface)
             depth, amount = volume / surface, f"{volume:.3g} m3"
+            if volume > MOST_SHARED * min(one.volume, other.volume):
+                depth = math.inf
         count += depth > near
         if depth > most:
             most, words = depth, f"{one.name} and {other.name} overlap by {amount}"
