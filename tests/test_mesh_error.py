@@ -119,9 +119,9 @@ def test_a_first_failure_has_an_error_of_its_own() -> None:
         replace(made_up(0.01, load=100.0), first_failure_load_N=100.0),
     ]
     found = errors_of(records)["static", "n-mesh0.02"]
-    assert found.first_failure is not None and found.load is not None
-    assert 0.01 < found.first_failure < 0.03
-    assert found.load > 0.1
+    assert found.first is not None and found.peak is not None
+    assert 0.01 < found.first < 0.03
+    assert found.peak > 0.1
 
 
 # --- of the static model -------------------------------------------------------------------------
