@@ -13,7 +13,6 @@ from analysis.explore.state import (
     Settings,
     as_configuration,
     as_python,
-    as_query,
     checked,
     from_query,
 )
@@ -34,18 +33,18 @@ STATES = (
 
 @pytest.mark.parametrize("state", STATES)
 def test_a_link_brings_the_joint_back(state: Settings) -> None:
-    found = from_query("?" + as_query(state))
+    found = from_query("?" + state.query, checked)
     assert found.state == state
     assert found.notes == ()
 
 
 @given(st.text(max_size=60))
 def test_whatever_a_link_says_there_is_a_joint(query: str) -> None:
-    assert from_query(query).state.joint
+    assert from_query(query, checked).state.joint
 
 
 def test_values_of_a_link_that_are_not_allowed_are_noted_and_limited_to_the_sliders() -> None:
-    found = from_query("?a=-5&b=inf&locks=zero&magic=1&h=8.2")
+    found = from_query("?a=-5&b=inf&locks=zero&magic=1&h=8.2", checked)
     assert found.state == Settings(a=15.0, b=100.0)
     assert found.notes == (
         "a: -5 is outside 15 to 150; 15 is shown.",
