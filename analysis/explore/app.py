@@ -157,7 +157,7 @@ class Explorer:
             "values": state.values,
             "words": found[0].words,
             **drawn,
-            "kept": {**kept[0], "words": found[1].words} if kept else None,
+            "kept": {"words": found[1].words, "marks": kept[0]["marks"]} if kept else None,
             "comparison": _compared(asked.checked, told),
             "yaml": as_configuration(state),
             "python": as_python(state),

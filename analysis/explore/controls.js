@@ -15,6 +15,8 @@ let gesture = {}; // the slider that was moved last, and when
 // What the sliders have now, as a new step unless the same slider, `id`, is still being moved.
 function remember(id, kept) {
   const now = performance.now(), before = state, goesOn = id && gesture.id === id && now - gesture.at < GESTURE;
+  const told = ({ values: given, kept: other }) => JSON.stringify([given, other]);
+  if (told(before) === told({ values: values(), kept })) return;
   gesture = { id, at: now };
   state = { step: before.step + (goesOn ? 0 : 1), values: values(), kept };
   if (goesOn) return;

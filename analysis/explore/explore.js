@@ -73,7 +73,7 @@ function drawCurve() {
   const current = line && isJointOf(line.values, shown.values);
   const style = (color) => ({ mode: "lines+markers", line: { color }, marker: { color } });
   const traces = line && !current ? [vmTrace({ shear: line.shear, torque: line.torque, name: "curve of another joint", ...style("#c9ced8") })] : [];
-  traces.push(vmTrace({ shear: current ? line.shear : shear, torque: current ? line.torque : torque, name: current ? name + line.spread : name, ...style(colour) }));
+  traces.push(vmTrace({ shear: current ? line.shear : shear, torque: current ? line.torque : torque, name: current ? name + line.spread.replace(" ", "<br>") : name, ...style(colour) }));
   if (shown.kept) {
     if (line && line.kept) traces.push(vmTrace({ ...line.kept, name: `kept: ${line.kept.name}`, mode: "lines", line: { color: "#555555", dash: "dash", width: 2 } }));
     for (const mark of shown.kept.marks) traces.push(vmTrace({ shear: [mark.shear], torque: [mark.torque], name: `kept: ${mark.name}`, mode: "markers", marker: { color: "#555555", symbol: mark.symbol, size: 11 }, showlegend: false }));

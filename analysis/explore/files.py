@@ -25,7 +25,7 @@ from sidmacib.yaml_text import read_yaml
 
 YAML = (".yaml", ".yml")
 OPENED = "/opened"
-MOST_FILES = 16  # that are remembered
+MOST_FILES = 8  # that are remembered
 HERE = Path(__file__).parent
 TEMPLATE, SCRIPT = HERE / "opened.html.j2", HERE / "server.js"
 
@@ -56,7 +56,7 @@ class OpenedFiles:
     def page(self, query: Mapping[str, str]) -> str:
         """The page of a file, beside one that is kept; `NotFound` if they are not remembered."""
         number, kept = query.get("file", ""), query.get("kept", "")
-        files = {str(each): found for each, found in self._found.items()}
+        files = {str(each): found for each, found in [*self._found.items()]}
         if number not in files or (kept and kept not in files):
             raise NotFound("This file is no longer in memory; open it again at /structures.")
         words = {"number": number, "kept_number": kept, "server": SCRIPT.read_text()}
@@ -95,7 +95,8 @@ class OpenedFile:
     def _carried(self) -> dict[str, Figure]:
         told: dict[str, Figure] = {"load that counts": self.counts}
         for row in self.rows:
-            numbers = {name: each for name, each in row.items() if isinstance(each, float)}
+            loads = {name: each for name, each in row.items() if not name.startswith("mesh error")}
+            numbers = {name: each for name, each in loads.items() if isinstance(each, float)}
             told |= {f"{row['model']}: {name}": each for name, each in numbers.items()}
         return told
 

@@ -162,12 +162,13 @@ def answers(state: Settings) -> Answers:
 
 
 def results(state: Settings, found: Answers, counted: Counted | None = None) -> dict[str, Figure]:
-    """What a joint carries, by names: V in N, M in N m; ``counted``: None if not known yet."""
-    told: dict[str, Figure] = {}
+    """What a joint carries, by names; ``counted``: None if not known yet."""
     rules = {_mark(name): rule for name, rule in found.rules.items()}
-    for name, load in {_curve(state): found.peak, **rules}.items():
-        told[f"{name}: V (N)"] = None if load is None else load.shear
-        told[f"{name}: M (N m)"] = None if load is None else load.torque
+    told: dict[str, Figure] = {
+        f"{name}: V (N)": None if load is None else load.shear
+        for name, load in {_curve(state): found.peak, **rules}.items()
+    }
+    told[f"{_curve(state)}: M (N m)"] = None if found.peak is None else found.peak.torque
     if counted is not None and counted.why is not None:
         told |= {"load that counts": counted.why, "load that counts: V (N)": counted.shear}
     return {**told, "strength of a lock T0 (N)": state.joint.T0}
