@@ -89,11 +89,11 @@ function part(name, attributes, text = "") {
   return element;
 }
 
-function bar(share, left, width, foot, height, numbered) {
+function bar(share, left, width, foot, height, numbered, type) {
   const [middle, top] = [left + width / 2, foot - height * share.weight];
   const parts = [part("rect", { x: left + 0.15 * width, y: top, width: 0.7 * width, height: foot - top, fill: shown.colours[share.block], class: "weight" })];
-  if (numbered) parts.push(part("text", { x: middle, y: foot + 14, "text-anchor": "middle" }, share.lock));
-  if (width > 28) parts.push(part("text", { x: middle, y: top - 4, "text-anchor": "middle" }, share.weight.toFixed(2)));
+  if (numbered) parts.push(part("text", { x: middle, y: foot + 1.1 * type, "text-anchor": "middle" }, share.lock));
+  if (width > 2.4 * type) parts.push(part("text", { x: middle, y: top - 4, "text-anchor": "middle" }, share.weight.toFixed(2)));
   return parts;
 }
 
@@ -104,16 +104,17 @@ function box({ lock, block }, x, y, width, height) {
 // The joint from the side, and over each lock its weight.
 function drawJoint() {
   const { a, b, h, H, locks } = shown.values;
-  const [across, foot, high, tall, left] = [640, 140, 100, 170, 70]; // pixels
+  const across = 640, type = 12 * Math.max(1, across / (at("drawing").clientWidth || across)); // as high in narrow windows
+  const [foot, high, tall, left] = [110 + 2.5 * type, 100, 170, 70]; // pixels
   const scale = Math.min((across - 1.5 * left) / (locks * b), tall / (h + 2 * H));
-  const every = Math.ceil(20 / (scale * b)); // lock has its number
-  const y = (z) => foot + 22 + scale * (h + H - z);
+  const every = Math.ceil((1.7 * type) / (scale * b)); // lock has its number
+  const y = (z) => foot + 1.8 * type + scale * (h + H - z);
   const parts = [0, 0.5, 1].flatMap((weight) => [
     part("path", { d: `M ${left} ${foot - high * weight} h ${scale * locks * b}`, stroke: "#c9ced8" }),
     part("text", { x: left - 6, y: foot - high * weight, "text-anchor": "end", "dominant-baseline": "central" }, weight),
   ]);
-  parts.push(part("text", { x: left - 60, y: foot - high - 24 }, "lock weights"));
-  for (const share of shown.shares) parts.push(...bar(share, left + scale * b * (share.lock - 1), scale * b, foot, high, share.lock % every === 1 || every === 1));
+  parts.push(part("text", { x: left - 60, y: foot - high - 1.5 * type }, "lock weights"));
+  for (const share of shown.shares) parts.push(...bar(share, left + scale * b * (share.lock - 1), scale * b, foot, high, share.lock % every === 1 || every === 1, type));
   for (const piece of shown.pieces) {
     const { low, high: up } = piece;
     parts.push(box(piece, left + scale * low[0], y(up[1]), scale * (up[0] - low[0]), scale * (up[1] - low[1])));
@@ -121,8 +122,9 @@ function drawJoint() {
   const middle = y((h + H) / 2);
   parts.push(part("path", { d: `M ${left - 45} ${middle} h 38 m -7 -5 l 7 5 l -7 5`, fill: "none", stroke: "currentColor", "stroke-width": 2 }));
   parts.push(part("text", { x: left - 60, y: middle, "dominant-baseline": "central" }, "V"));
-  parts.push(part("text", { x: left, y: y(-H) + 20 }, `${locks} locks: a = ${a}, b = ${b}, h = ${h}, H = ${H} mm; ${locks * b} mm long`));
-  at("drawing").setAttribute("viewBox", `0 0 ${across} ${y(-H) + 30}`);
+  parts.push(part("text", { x: left - 60, y: y(-H) + 1.5 * type }, `${locks} locks: a = ${a}, b = ${b}, h = ${h}, H = ${H} mm; ${locks * b} mm long`));
+  at("drawing").setAttribute("viewBox", `0 0 ${across} ${y(-H) + 2.5 * type}`);
+  at("drawing").style.fontSize = `${type}px`;
   const weights = shown.shares.map((share) => `${share.lock}: ${share.weight.toFixed(2)}`).join(", ");
   at("drawing").ariaLabel = `The joint from the side: ${locks} locks, weights ${weights || "unknown"}`;
   at("drawing").replaceChildren(...parts);
