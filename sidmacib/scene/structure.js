@@ -227,14 +227,14 @@ function arrowTraces({ arrows, moves, factor }, share) {
   const shown = at("structure-loads").checked;
   const few = arrows.filter(({ kind }) => kind === "reaction").length <= MOST_LABELS;
   return Object.entries(ARROWS).flatMap(([kind, color]) => {
-    const lines = newLines(), ends = newLines(), label = [], beside = []; // the tail
+    const beside = arrows.some((one) => one.kind === kind && one.tail[2] > one.tip[2]) ? "top center" : "bottom center"; // beyond tails
+    const lines = newLines(), ends = newLines(), label = [];
     for (const arrow of shown ? arrows.filter((one) => one.kind === kind) : []) {
       const moved = plus(place(arrow.anchor, moves[arrow.block], share * factor), arrow.anchor, -1);
       const [tail, tip] = [plus(arrow.tail, moved), plus(arrow.tip, moved)];
       addArrow(lines, tail, tip);
       addLine(ends, [tail], arrow.text);
       label.push(few ? arrow.label : "", "");
-      beside.push(...Array(2).fill(tail[2] > tip[2] ? "top center" : "bottom center"));
     }
     return [
       lineTrace(lines, { color, width: 6 }),
