@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 
 Figure = float | str | None
 Figures = Mapping[str, Figure]

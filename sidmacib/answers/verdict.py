@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from sidmacib.answers.structure import StaticAnswer, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.crushing import crushed_faces
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 
 if TYPE_CHECKING:  # limit analysis loads solvers of programmes
     from sidmacib.mechanics.limit import LimitState

@@ -1,0 +1,125 @@
+"""The vaults of `studies/flat_vault` and `studies/designed_vault`."""
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+import yaml
+from command_runner import run
+
+from sidmacib import InfeasibleError, UnboundedError, limit_load, static_peak
+from sidmacib.design.blocking import order_of
+from sidmacib.design.direction import RowSearch, choice_of
+from sidmacib.design.file import read_task, write_designed
+from sidmacib.design.sizing import carried
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.blocks import Block
+from sidmacib.structure.files.compas import read_compas
+from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.loads import free_weight
+from studies.designed_vault.all_layouts import GAP, compared
+from studies.designed_vault.geometry import FILE, Barrel, barrel, content, text
+from studies.flat_vault.geometry import FILES, LEAN, SIDE, THICKNESS, description
+from studies.flat_vault.geometry import text as flat_text
+
+
+@pytest.mark.parametrize("blocks", FILES)
+def test_the_files_are_what_the_geometry_writes(blocks: int) -> None:
+    assert FILES[blocks].read_text() == flat_text(blocks)
+
+
+def test_each_block_is_a_truncated_tetrahedron_that_touches_four_others() -> None:
+    assembly = read_structure(FILES[5]).assembly
+    blocks = {piece.name: piece for piece in assembly.pieces if piece.name.startswith("block")}
+    assert len(blocks) == 25
+    for block in blocks.values():
+        assert isinstance(block, Block)
+        assert block.reentrant is None
+        # The integral over its height of (a + 2 z tan) (a - 2 z tan).
+        volume = SIDE**2 * THICKNESS - 4 * LEAN**2 * THICKNESS**3 / 3
+        assert block.volume == pytest.approx(volume, rel=1e-6)
+    ends = Counter(end for face in assembly.faces for end in (face.below, face.above))
+    assert {ends[k] for k, each in enumerate(assembly.pieces) if each.name in blocks} == {4}
+
+
+def test_the_vault_carries_more_the_rougher_its_joints_and_opens_as_it_slides() -> None:
+    problem = read_structure(FILES[3])
+    weight = free_weight(problem.assembly)
+    static, limit = static_peak(*problem).peak.load, limit_load(*problem, friction=True).load
+    assert static / weight == pytest.approx(0.3628, abs=5e-4)  # as docs/howto/structure.md says
+    assert static < limit == pytest.approx(0.3930 * weight, abs=5e-4 * weight)
+    rough = structure_of(description(3, friction=0.8))
+    assert limit_load(*rough, friction=True).load > 2 * limit
+
+
+def test_smooth_joints_do_not_hold_it_and_a_rigid_frame_holds_any_load() -> None:
+    with pytest.raises(InfeasibleError):
+        limit_load(*structure_of(description(3, friction=0.3)), friction=True)
+    framed = description(3)
+    for block, value in framed["blocks"].items():
+        value["fixed"] = not block.startswith("block")
+    with pytest.raises(UnboundedError):
+        limit_load(*structure_of(framed), friction=True)
+
+
+def test_the_file_is_what_the_geometry_writes_and_has_110_free_blocks() -> None:
+    assert FILE.read_text() == text(Barrel())
+    blocks = read_compas(FILE, 1.0)
+    assert sum(not block.fixed for block in blocks) == 110
+    assert {block.density for block in blocks} == {2000.0}
+
+
+def test_its_task_has_a_site_in_every_interface() -> None:
+    task = read_task(FILE)
+    assert len(task.structure.sites) == len(task.structure.assembly.faces) == 305
+    assert all(site.layouts for site in task.structure.sites)
+
+
+def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_path: Path) -> None:
+    path = tmp_path / "vault.json"
+    path.write_text(json.dumps(content(barrel(Barrel(courses=5, blocks=2)))))
+    design = yaml.safe_load(FILE.with_suffix(".yaml").read_text())
+    design["design"]["gap"] = 0.2
+    path.with_suffix(".yaml").write_text(yaml.safe_dump(design))
+    task = read_task(path)
+    structure = task.structure
+    choice = choice_of(structure, RowSearch(structure, 1.0).cheapest(gap=0.5).parts)
+    assert all(state.factor >= 1.0 - 1e-5 for state in carried(structure, choice))
+    assert order_of(structure.assembly, structure.sites, choice).stuck == ()
+    (tmp_path / "out").mkdir()
+    write_designed(task, choice, tmp_path / "out" / "designed.yaml")
+    found = read_structure(tmp_path / "out" / "designed.yaml").assembly
+    locks = sum(len(row.widths) for row in choice if row)
+    assert len(found.pieces) == len(structure.assembly.pieces) + locks
+    assert all(isinstance(face, Polygon) for face in found.faces)
+    head = (tmp_path / "out" / "designed.yaml").read_text().splitlines()[:3]
+    cases = yaml.safe_load("".join(line.removeprefix("#   ") + "\n" for line in head[1:]))
+    assert cases == design["design"]["cases"]
+    loads = {name: case["acceleration"] for name, case in cases.items()}
+    for file, case in (("designed", "along_x"), ("designed-along_y", "along_y")):
+        written = yaml.safe_load((tmp_path / "out" / f"{file}.yaml").read_text())
+        assert written["load"] == {"acceleration": loads[case]}
+
+
+def test_the_designed_stack_is_what_the_command_writes(tmp_path: Path) -> None:
+    folder, written = FILE.parent, tmp_path / "designed.yaml"
+    found = run("design", str(folder / "stack.yaml"), "--quiet", "--output", str(written))
+    assert found.exit_code == 0
+    assert written.read_text() == (folder / "designed_stack.yaml").read_text()
+
+
+def test_compas_dem_reads_the_file() -> None:
+    compas = pytest.importorskip("compas")
+    pytest.importorskip("compas_dem")
+    model = compas.json_load(FILE)
+    assert len(list(model.elements())) == 112
+    assert len(list(model.supports())) == 2
+    assert {block.material.density for block in model.elements()} == {2000.0}
+
+
+def test_a_search_in_place_of_trying_all_layouts_costs_the_same() -> None:
+    both = compared(1)
+    assert both.layouts == 13**2
+    assert both.found_cost == both.least_cost > 0.0
+    assert both.bound <= both.found_cost <= both.bound * (1.0 + GAP)

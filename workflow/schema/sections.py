@@ -1,0 +1,347 @@
+"""Sections of a study: joints, variants of them, sets of many; SiDMACIB and the engines.
+
+Keys, ranges, units and defaults are those of `sidmacib.Joint`; narrower only where a study
+requires it: joints have weight, inner faces have strength, and dry faces have none.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from enum import StrEnum
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
+from sidmacib.engines.engine import Numerics
+from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint.loading import LoadShare, Push
+from sidmacib.joint.parameters import SIZES
+from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
+from sidmacib.quantities import (
+    FractureEnergy,
+    Friction,
+    Length,
+    Modulus,
+    Number,
+    Part,
+    Poisson,
+    Share,
+    Span,
+    one_of,
+    shown,
+)
+from sidmacib.reading import Section, Some, changes_to, section_of
+from workflow.schema.values import Eccentricities, Lengths, Name, Positive
+
+_KEYS: Any = section_of(Numerics)
+
+
+class NumericsSection(_KEYS):
+    """The keys of `Numerics`."""
+
+    def numerics(self) -> Numerics:
+        """The section as the engines take it."""
+        return Numerics(**self.model_dump())
+
+
+_CHANGES: Any = changes_to(NumericsSection)
+
+
+class NumericsChanges(_CHANGES):
+    """Changes to the numerics; None means no change."""
+
+
+class DemSection(Section):
+    """Engines by name, the longest time for one case (s), and the engines' numerics."""
+
+    engines: tuple[str, ...]
+    time_limit: Annotated[float, Number(at_least=1, at_most=1e7, unit="s")] = 3600.0
+    numerics: NumericsSection = NumericsSection()
+
+
+class OptionSection(Section):
+    """Contact points of a lock: positions over a, and shares of its strength."""
+
+    positions: Annotated[tuple[Annotated[float, Number(at_least=-0.5, at_most=0.5)], ...], Some]
+    portions: Annotated[tuple[Part, ...], Some]
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self.contact_option()
+        return self
+
+    def contact_option(self) -> ContactOption:
+        """The section as the models take it; ValueError if positions and portions do not match."""
+        return ContactOption(self.positions, self.portions)
+
+
+_READY = {
+    name: OptionSection(positions=option.positions, portions=option.portions)
+    for name, option in READY_OPTIONS.items()
+}
+
+
+def _with_ready(value: Any) -> Any:
+    """Options with those given only by name replaced by their definitions."""
+    if isinstance(value, list | tuple):
+        if twice := [name for number, name in enumerate(value) if name in value[:number]]:
+            raise ValueError(f"{shown(twice[0])} appears twice; each name must appear only once")
+        value = dict.fromkeys(map(_ready_name, value))
+    if not isinstance(value, Mapping):
+        return value
+    return {
+        name: _READY[_ready_name(name)] if option is None else option
+        for name, option in value.items()
+    }
+
+
+def _ready_name(name: Any) -> str:
+    if not isinstance(name, str) or name not in _READY:
+        raise ValueError(
+            f"{shown(name)} needs positions and portions; without them it must be one of "
+            f"{', '.join(_READY)}"
+        )
+    return name
+
+
+class SidmacibSection(Section):
+    """The overload on the upper block (N), contact points, and rules for which locks count."""
+
+    overload: Annotated[float, Number(at_least=0, unit="N")] = 1000.0
+    options: Annotated[
+        dict[Name, OptionSection],
+        Some,
+        BeforeValidator(
+            _with_ready, json_schema_input_type=list[Name] | dict[Name, OptionSection | None]
+        ),
+    ] = Field(default={name: _READY[name] for name in OPTIONS})
+    reductions: Annotated[tuple[Annotated[str, one_of(REDUCTIONS)], ...], Some] = tuple(REDUCTIONS)
+
+
+MOST_LOCKS = 101
+STIFFNESSES = ("normal_stiffness", "shear_stiffness")
+STRENGTHS = ("cohesion", "tensile_strength")
+
+_Weight = Annotated[float, Number(above=0, unit="kg/m3")]
+_Cohesion = Annotated[float, Number(above=0, unit="Pa")]
+_NoStrength = Annotated[float, Number(at_least=0, at_most=0, unit="Pa")]
+_Locks = Annotated[int, Number(at_least=1, at_most=MOST_LOCKS, whole=True)]
+
+_SIZES: Any = section_of(Joint, *SIZES)
+_INNER: Any = section_of(INNER, cohesion=_Cohesion)
+_DRY: Any = section_of(
+    DRY, *STIFFNESSES, "friction", *STRENGTHS, **dict.fromkeys(STRENGTHS, _NoStrength)
+)
+
+
+class GeometrySection(_SIZES):
+    """Length, width and height of a lock, and height of the upper main body, in m."""
+
+
+class InnerFaceSection(_INNER):
+    """Cohesive faces inside a block, see `sidmacib.mechanics.assembly.FaceMaterial`."""
+
+
+class DryFaceSection(_DRY):
+    """Frictional faces between the blocks; they have no strength."""
+
+
+_OWN_SIZES: Any = changes_to(GeometrySection)
+_INNER_CHANGES: Any = changes_to(InnerFaceSection)
+_DRY_CHANGES: Any = changes_to(DryFaceSection)
+
+
+class InnerChanges(_INNER_CHANGES):
+    """Changes to inner faces; None means no change."""
+
+
+class DryChanges(_DRY_CHANGES):
+    """Changes to dry faces; None means no change."""
+
+
+def changed(face: FaceMaterial, changes: InnerChanges | DryChanges) -> FaceMaterial:
+    """``face`` with ``changes``."""
+    return replace(face, **changes.model_dump(exclude_none=True))
+
+
+class MaterialsSection(Section):
+    """Density (kg/m3), Young's modulus (Pa) and Poisson's ratio of the block, and its faces."""
+
+    density: _Weight = Joint.density
+    young: Modulus = 1e10
+    poisson: Poisson = 0.2
+    inner: InnerFaceSection = InnerFaceSection()
+    dry: DryFaceSection = DryFaceSection()
+
+    @property
+    def inner_face(self) -> FaceMaterial:
+        """The inner faces as the models take them."""
+        return FaceMaterial(**self.inner.model_dump())
+
+    @property
+    def dry_face(self) -> FaceMaterial:
+        """The dry faces as the models take them."""
+        return FaceMaterial(**self.dry.model_dump())
+
+
+class LockSection(Section):
+    """A lock that differs: width (m), density (kg/m3), inner face; None: as the others."""
+
+    width: Length | None = None
+    density: _Weight | None = None
+    inner: InnerChanges = InnerChanges()
+
+    def own_lock(self, inner: FaceMaterial) -> OwnLock:
+        """The section as the models take it, where other locks have this ``inner`` face."""
+        face = changed(inner, self.inner)
+        return OwnLock(self.width, self.density, None if face == inner else face)
+
+
+class PartSection(Section):
+    """The parts of a sample that a model runs; None: all. The reference variant always runs."""
+
+    meshes: Lengths | None = None
+    eccentricities: Eccentricities | None = None
+    variants: tuple[Name, ...] | None = None
+
+
+class SampleSection(_OWN_SIZES):
+    """A joint of the study: sizes (m) and faces where they are not the study's.
+
+    ``first``: the block that lock 1 belongs to. ``different``: locks that differ, by number.
+    ``models``: those of the study's models and engines that run on it; None: all of them. ``only``:
+    what each of them runs of it, by name; a model that is not named runs all.
+    """
+
+    locks: _Locks
+    first: Side = Side.UPPER
+    different: dict[_Locks, LockSection] = Field(default_factory=dict)
+    inner: InnerChanges = InnerChanges()
+    dry: DryChanges = DryChanges()
+    models: Annotated[tuple[str, ...], Some] | None = None
+    only: dict[str, PartSection] = Field(default_factory=dict)
+
+    def joint(self, geometry: GeometrySection, materials: MaterialsSection, **others: Any) -> Joint:
+        """The joint; sizes and faces that it does not set are those of the study."""
+        sizes = {key: getattr(self, key) or size for key, size in geometry.model_dump().items()}
+        inner = changed(materials.inner_face, self.inner)
+        return Joint(
+            self.locks,
+            **sizes,
+            first=self.first,
+            different={lock: changes.own_lock(inner) for lock, changes in self.different.items()},
+            inner=inner,
+            dry=changed(materials.dry_face, self.dry),
+            density=materials.density,
+            **others,
+        )
+
+
+class Pieces(StrEnum):
+    """Rigid or elastic pieces of the joint."""
+
+    RIGID = "rigid"
+    ELASTIC = "elastic"  # with the material of the block
+
+
+class AssemblySection(Section):
+    """Cuts, loads, hold-down and failure of the joint."""
+
+    pieces: Pieces = Pieces.RIGID
+    failure: Failure = Failure.BRITTLE
+    load_share: LoadShare = LoadShare.FACE
+    upper_body: UpperBody = UpperBody.COLUMNS
+    push: Push = Push.PLUS_Y
+    hold_down: HeldDown = HoldDown()
+
+
+_ASSEMBLY_CHANGES: Any = changes_to(AssemblySection)
+
+
+class VariantSection(_ASSEMBLY_CHANGES):
+    """Changes to the study, and the meshes and eccentricities at which it runs (None: all).
+
+    ``young``: of the block (Pa). ``fracture_energy``: of the inner faces (J/m2).
+    """
+
+    numerics: NumericsChanges = NumericsChanges()
+    nodes: NodeLayout | None = None
+    young: Modulus | None = None
+    fracture_energy: FractureEnergy | None = None
+    meshes: Lengths | None = None
+    eccentricities: Eccentricities | None = None
+
+    @property
+    def material(self) -> tuple[float | None, float | None]:
+        """Its changes to the materials."""
+        return self.young, self.fracture_energy
+
+    def assembly(self, study: AssemblySection) -> AssemblySection:
+        """The assembly of this variant."""
+        changes = {key: getattr(self, key) for key in AssemblySection.model_fields}
+        return study.model_copy(update={k: v for k, v in changes.items() if v is not None})
+
+
+MOST_JOINTS = 1_000_000
+
+_Count = Annotated[int, Number(at_least=1, at_most=MOST_JOINTS, whole=True)]
+_LockSpan = Annotated[tuple[int, int], Span(Number(at_least=2, at_most=MOST_LOCKS, whole=True))]
+_Cells = Annotated[tuple[int, int], Span(Number(at_least=1, at_most=8, whole=True))]
+_Ratios = Annotated[tuple[float, float], Span(Number(above=0))]
+
+
+class SamplingSection(Section):
+    """Number of joints and ranges of a sampling; ratios are spread evenly in their logarithm.
+
+    Width, strengths and normal stiffness are those of the study. ``smooth``, ``one_piece``,
+    ``pressed``: shares of the joints without friction, with an upper body of one piece, and with a
+    given pressure on top instead of the fixed plate. ``stiffness_ratio``: E / (Kn b) of elastic
+    pieces; None: rigid pieces. ``energy_ratio``: of bonds that soften, fracture energy over the
+    energy stored at failure, tau_k^2 / (2 Ks). Half of the joints with an even number of locks are
+    pushed along -y. ``cells``: numbers of cells along the shorter side of a lock, of the two
+    meshes. ``limited``: one in so many joints is solved by limit analysis too.
+    """
+
+    joints: _Count
+    seed: Annotated[int, Number(at_least=0, at_most=2**31, whole=True)] = 1
+    failure: Failure = Failure.BRITTLE
+    locks: _LockSpan = (2, 31)
+    a_over_b: _Ratios = (0.5, 3.0)
+    h_over_b: _Ratios = (0.06, 0.6)
+    H_over_b: _Ratios = (0.3, 3.0)
+    shear_over_normal: _Ratios = (0.003, 3.0)
+    dry_over_inner: _Ratios = (0.03, 30.0)
+    friction: Annotated[tuple[float, float], Span(Number(at_least=0))] = (0.0, 0.8)
+    pressure_over_cohesion: _Ratios = (0.03, 1.0)
+    stiffness_ratio: _Ratios | None = None
+    energy_ratio: _Ratios = (1.0, 1000.0)
+    smooth: Part = 0.3
+    one_piece: Part = 0.5
+    pressed: Part = 0.2
+    eccentricities: Eccentricities | None = None
+    cells: _Cells = (1, 2)
+    limited: _Count = 16
+
+    def parameters(self) -> str:
+        """The joints, without what says how they are solved, as JSON."""
+        return self.model_dump_json(exclude={"eccentricities", "cells", "limited"})
+
+
+class CalibrationSection(Section):
+    """A grid of geometries and frictions, meshes (m), and how many of the best the engines run."""
+
+    a: Lengths = (0.03, 0.06, 0.1)
+    height_share: Annotated[tuple[Share, ...], Some] = (
+        *(0.2, 0.21, 0.22, 0.23),
+        *(0.24, 0.25, 0.26),
+    )  # h / (h + H)
+    height_over_b: Annotated[tuple[Positive, ...], Some] = (
+        *(0.3, 0.5, 0.7, 0.9, 1.0),
+        *(1.1, 1.2, 1.3, 1.4),
+    )  # (h + H) / b
+    friction: Annotated[tuple[Friction, ...], Some] = (
+        *(0.0, 0.005236, 0.01, 0.02, 0.03),
+        *(0.05, 0.1, 0.2, 0.3, 0.4),
+    )  # of dry faces
+    meshes: Lengths = (0.02, 0.005)
+    confirmed: Annotated[int, Number(at_least=1, at_most=20, whole=True)] = 3

@@ -1,0 +1,161 @@
+"""Solve a batch of cases in this process, check what comes out, and write records and tables.
+
+On request, also the files of one of these cases, like those in an engine's folder.
+"""
+
+import importlib
+import json
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
+from sidmacib.engines.scripts.assembly import NEVER_FALLS
+from sidmacib.engines.scripts.records import HISTORY, NODES
+from sidmacib.errors import CapacityError, ResultError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.model import Ability
+from sidmacib.models import MODELS
+from sidmacib.problem import Outcome, Problem
+from workflow.case import Case, JointCase
+from workflow.results import (
+    BATCH_HISTORY,
+    BATCH_NODES,
+    CASE,
+    RECORD,
+    Record,
+    read_records,
+    record_of,
+    record_without_result,
+)
+from workflow.step import Arguments, Files, step
+
+Solve = Callable[[Problem], Outcome]
+Solved = tuple[Record[Any], Assembly, Outcome]
+HISTORY_COLUMNS = ("load_N", "displacement_m")
+LOADS = {
+    "peak_load_N": "load_N",
+    "failed_load_N": "failed_load_N",
+    "first_failure_load_N": "first_failure_load_N",
+    "mode": "mode",
+    "peak_spread": "peak_spread",
+    "error": "error",
+}
+
+
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
+    """Write records, nodes and histories; the record of a case without a result has the reason."""
+    solve: Solve = importlib.import_module(arguments["module"]).solve
+    records: list[Record[Any]] = []
+    nodes: list[pa.Table] = []
+    histories: list[pa.Table] = []
+    for data in arguments["cases"]:
+        case: Case[Any] = Case.from_json(data)
+        found = solved_or_not(case, solve)
+        if isinstance(found, Record):
+            records.append(found)
+            continue
+        record, assembly, outcome = found
+        records.append(record)
+        nodes += node_table(case, assembly, outcome)
+        histories.append(history_table(case, outcome))
+    outputs["records"].write_text("".join(record.to_json() + "\n" for record in records))
+    for tables, path in ((nodes, outputs["nodes"]), (histories, outputs["history"])):
+        whole = pa.concat_tables(tables) if tables else pa.table({})
+        pq.write_table(whole, path, compression="zstd")
+    failed = [record for record in records if record.error]
+    return "\n".join(f"{record.name}: {record.error}" for record in failed) or None
+
+
+def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
+    """What `solved` returns, or a record with the reason why there is no result."""
+    try:
+        problem = case.subject.problem()
+        reason = problem.assembly.without_stiffness
+        if reason and Ability.CONDENSED not in MODELS[case.model].abilities:
+            return record_without_result(case, refused=f"{case.model}: {reason}")
+        return _solved(case, problem, solve)
+    except UnboundedError as error:
+        if problem.loads.axis is not None:
+            return record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
+        return record_without_result(case, error=f"{case.model}: {error}")
+    except (CapacityError, ResultError, ValueError, MemoryError) as error:
+        reason = str(error) or "out of memory"
+        return record_without_result(case, error=f"{case.model}: {reason}")
+
+
+def solved(case: Case[Any], solve: Solve) -> Solved:
+    """The checked record of ``case``, its assembly and the model's outcome."""
+    return _solved(case, case.subject.problem(), solve)
+
+
+def _solved(case: Case[Any], problem: Problem, solve: Solve) -> Solved:
+    outcome = solve(problem)
+    record = record_of(case, problem, outcome, {})
+    return record, outcome.cells or problem.assembly, outcome
+
+
+def node_table(case: Case[Any], assembly: Assembly, outcome: Outcome) -> list[pa.Table]:
+    """Stresses at the load that counts, one row per node, in the columns of an engine's nodes.csv.
+
+    No table if the model computes no stresses.
+    """
+    nodes, state = assembly.nodes, outcome.state
+    if state.force is None or state.bonded is None:
+        return []
+    stress = force_to_stress(nodes, face_frames(assembly), state.force)
+    values: Floats = np.column_stack([nodes.position, nodes.area, stress])
+    columns: dict[str, Any] = {
+        "case": _repeated(case.name, len(values)),
+        "face": _named([face.name for face in assembly.faces], nodes.face),
+        "kind": _named([str(face.kind) for face in assembly.faces], nodes.face),
+    }
+    columns |= dict(zip(NODE_COLUMNS[2:], values.T, strict=False))
+    return [pa.table(columns | {"bonded": state.bonded.astype(np.int8)})]
+
+
+def history_table(case: Case[Any], outcome: Outcome) -> pa.Table:
+    """Load and displacement of each equilibrium on the way, one row each."""
+    load, moved = HISTORY_COLUMNS
+    columns = {
+        "case": _repeated(case.name, len(outcome.path)),
+        load: pa.array([state.load for state in outcome.path]),
+        moved: pa.array([state.displacement for state in outcome.path], pa.float64()),
+    }
+    return pa.table(columns)
+
+
+def _repeated(text: str, count: int) -> pa.Array:
+    return _named([text], np.zeros(count, dtype=np.int32))
+
+
+def _named(names: Iterable[str], index: Any) -> pa.Array:
+    plain = pa.DictionaryArray.from_arrays(pa.array(index, pa.int32()), pa.array(list(names)))
+    return plain.cast(pa.string())
+
+
+def write_case_files(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write the description, nodes, history, loads and record of the case."""
+    case, records, result = (
+        JointCase.from_json(arguments["case"]),
+        inputs["records"],
+        outputs["result"],
+    )
+    folder = result.parent
+    (record,) = (each for each in read_records([records]) if each.name == case.name)
+    (folder / CASE).write_text(case.to_json())
+    for source, target in ((BATCH_NODES, NODES), (BATCH_HISTORY, HISTORY)):
+        rows = pd.read_parquet(records.with_name(source), filters=[("case", "==", case.name)])
+        rows.drop(columns="case").to_csv(folder / target, index=False, float_format="%.10g")
+    loads = {key: getattr(record, name) for key, name in LOADS.items()}
+    result.write_text(json.dumps(loads, indent=1) + "\n")
+    (folder / RECORD).write_text(record.to_json() + "\n")
+
+
+if __name__ == "__main__":
+    step(run, case_files=write_case_files)
