@@ -11,9 +11,15 @@ from scipy.spatial.transform import Rotation
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial
 from sidmacib.mechanics.limit import limit_load
+from sidmacib.models import MODELS
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.yaml_text import read_yaml
+from workflow.configuration import read_study
+from workflow.jobs import case_jobs
+from workflow.results.record import read_records
+from workflow.results.structure_part import StructureRecord
+from workflow.steps import engine, solve
 
 
 def example(name: str) -> dict[str, Any]:
@@ -45,6 +51,25 @@ WITH_STRUCTURES = {
     "meshes": [0.03],
     "eccentricities": [0, 0.3],
 }
+
+
+def solved(folder: Path, **config: Any) -> list[StructureRecord]:
+    """The records of a study, whose steps are called one by one."""
+    jobs, records = case_jobs(read_study(config)), []
+    for job, case in jobs.engines.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / f"{name}.json" for name in ("record", "result")}
+        arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
+        engine.run(arguments, {}, outputs)
+        records.append(outputs["record"])
+    for job, cases in jobs.batches.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / name for name in ("records", "nodes", "history")}
+        module = MODELS[cases[0].model].structures
+        arguments = {"module": module, "cases": [case.to_json() for case in cases]}
+        solve.run(arguments, {}, outputs)
+        records.append(outputs["records"])
+    return read_records(records)
 
 
 def dry(friction: float) -> FaceMaterial:

@@ -10,10 +10,10 @@ import pytest
 import shapely
 import yaml
 from command_runner import run
+from conftest import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-from conftest import ROOT
 from structures import example
 
 from sidmacib.answers.structure import CRUSHING, static_answer
@@ -165,9 +165,9 @@ def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> 
     assert "; crushed: ground-pier; largest displacement: pier" in found.output
     line = found.output.splitlines()[0]
     assert line == (
-        "Yes: it carries 5000 N with a factor of 2.17; the peak counts: limited by crushing in limit "
-        "analysis; ground-pier is at its compressive strength from 10847 N on; without crushing "
-        "11772 N"
+        "Yes: it carries 5000 N with a factor of 2.17; the peak counts: limited by crushing in "
+        "limit analysis; ground-pier is at its compressive strength from 10847 N on; without "
+        "crushing 11772 N"
     )
     heavy = pier({"acceleration": [1, 0, 0], "newtons": "5kN"}, strength=0.9 * 2000 * GRAVITY * 2)
     path.write_text(yaml.safe_dump(heavy))

@@ -1,8 +1,6 @@
 """The cases of a study's structures."""
 
-from collections.abc import Iterator, Mapping
-from itertools import groupby
-from operator import itemgetter
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from sidmacib.engines import ENGINES
@@ -12,8 +10,10 @@ from sidmacib.quantities import shown
 from workflow.case import REFERENCE, Case, StructureCase, StructureSubject, structure_case_name
 from workflow.schema import Study
 from workflow.schema.study import StructureSection
+from workflow.schema.values import NAME_LENGTH
 
-LOAD, SUPPORT = "load", "support"  # keys of a description, and of a load
+# Keys of a description, and of a load.
+LOAD, CASES, PERMANENT, SUPPORT = "load", "load_cases", "permanent", "support"
 ABLE = tuple(  # models of structures: those of rigid pieces
     name
     for name, model in MODELS.items()
@@ -62,13 +62,37 @@ def models_of(study: Study, section: StructureSection) -> tuple[str, ...]:
 
 
 def described(section: StructureSection) -> Iterator[tuple[str, str, dict[str, object]]]:
-    """Load, variant and description of each case of a structure, whatever its model."""
+    """Load, variant and description of each case of a structure, whatever its model.
+
+    Loads are those of the study, or else the load cases of the description, or its load.
+    """
+    for variant, whole in _wholes(section):
+        always = {key: value for key, value in whole.items() if key != CASES}
+        if section.loads:
+            for name, load in section.loads.items():
+                yield name, variant, {**always, LOAD: load}
+        elif cases := _cases(whole):
+            for name, case in cases.items():
+                load = {key: value for key, value in case.items() if key != PERMANENT}
+                own = [*always.get(PERMANENT, ()), *case.get(PERMANENT, ())]
+                yield name, variant, {**always, LOAD: load, **({PERMANENT: own} if own else {})}
+        else:
+            yield LOAD, variant, whole
+
+
+def _cases(description: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """The load cases of a ``description`` by name; none of what is not a mapping of mappings."""
+    cases = description.get(CASES)
+    if not isinstance(cases, Mapping) or not all(isinstance(v, Mapping) for v in cases.values()):
+        return {}
+    return {str(name): case for name, case in cases.items()}
+
+
+def _wholes(section: StructureSection) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Each variant of a structure, with its loads as they are in the description."""
     assert section.description is not None, "a file is read with the configuration"
-    loads = section.loads or {LOAD: {}}
     for variant, changes in {REFERENCE: {}, **section.variants}.items():
-        whole = changed(section.description, changes)
-        for name, load in loads.items():
-            yield name, variant, {**whole, "load": load} if load else whole
+        yield variant, changed(section.description, changes)
 
 
 def changed(description: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -114,22 +138,40 @@ def structure_faults(study: Study) -> Iterator[str]:
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     # Polygons take long to import.
     from sidmacib.structure.files.loads import LoadSection  # noqa: PLC0415
-    from sidmacib.structure.files.structure_file import assembly_of, permanent_of  # noqa: PLC0415
+    from sidmacib.structure.files.structure_file import (  # noqa: PLC0415
+        assembly_of,
+        demands_of,
+        permanent_of,
+    )
 
-    for variant, group in groupby(described(section), key=itemgetter(1)):
+    for variant, whole in _wholes(section):
         place = f"variants.{variant}" if variant != REFERENCE else "description"
-        cases = [(load, description) for load, _, description in group]
         try:
-            assembly = assembly_of({k: v for k, v in cases[0][1].items() if k != "load"})
+            if CASES in whole and not section.loads:
+                demands_of(whole)
+                yield from _unnameable(f"{key}.{place}.{CASES}", _cases(whole))
+                continue
+            assembly = assembly_of({k: v for k, v in whole.items() if k not in (LOAD, CASES)})
         except ValueError as error:
             yield f"{key}.{place}: {_in_a_line(error)}"
             continue
-        for load, description in cases:
+        loads: Mapping[str, Any] = section.loads or {LOAD: whole.get(LOAD)}
+        for name, load in loads.items():
             try:
-                given = LoadSection.read(description.get(LOAD), LOAD)
-                given.on(assembly, permanent_of(assembly, description))
+                given = LoadSection.read(load, LOAD)
+                given.on(assembly, permanent_of(assembly, whole))
             except ValueError as error:
-                yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
+                yield f"{key}.{f'loads.{name}' if section.loads else place}: {_in_a_line(error)}"
+
+
+def _unnameable(key: str, cases: Iterable[str]) -> Iterator[str]:
+    """A fault where the names of files cannot be made of those of load ``cases``."""
+    names = [structure_case_name("", name) for name in cases]
+    if len({*names}) < len(names):
+        yield f"{key}: two names differ in other characters than letters, digits, _ and . only"
+    for name in cases:
+        if len(name) > NAME_LENGTH:
+            yield f"{key}.{name}: too long; a name must have at most {NAME_LENGTH} letters"
 
 
 def _in_a_line(error: ValueError) -> str:

@@ -161,7 +161,7 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> _Fol
     """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
     try:
         if loads.axis is not None:
-            tilt = static_tilt(assembly, Tilt(loads.axis))
+            tilt = static_tilt(assembly, Tilt.of(loads))
             failures = Failures(float(tilt.first_failure), float(tilt.angle))
             return _Followed(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
         found = (lowest_peak if lowest else static_peak)(assembly, loads)

@@ -163,7 +163,7 @@ def _limit_load(problem: Problem, limit: LimitState | CapacityError | None) -> f
     """
     try:
         if problem.loads.axis is not None:
-            return limit_tilt(problem.assembly, Tilt(problem.loads.axis)).angle
+            return limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
         if isinstance(limit, CapacityError):
             raise limit
         return (limit_state(*problem) if limit is None else limit).load

@@ -19,26 +19,32 @@ class Static(Protocol):
     """What decides of a `sidmacib.answers.structure.StaticAnswer`."""
 
     @property
-    def load(self) -> float: ...
+    def load(self) -> float:
+        """The load that counts, N."""
 
     @property
-    def failures(self) -> Failures: ...
+    def failures(self) -> Failures:
+        """Of them."""
 
     @property
-    def counts(self) -> Counts: ...
+    def counts(self) -> Counts:
+        """Which of them does, and why."""
 
     @property
-    def mesh_error(self) -> float | None: ...
+    def mesh_error(self) -> float | None:
+        """Of the load that counts, over it."""
 
     @property
-    def mode(self) -> str | None: ...
+    def mode(self) -> str | None:
+        """How it fails."""
 
 
 class Limit(Protocol):
     """What decides of a `sidmacib.mechanics.limit.LimitState`."""
 
     @property
-    def load(self) -> float: ...
+    def load(self) -> float:
+        """The limit load, N."""
 
 
 @dataclass(frozen=True)

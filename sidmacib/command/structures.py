@@ -87,7 +87,7 @@ def structure_rows(
     limit = limit_of(problem) if limit is None else limit
     static = static_of(problem, limit) if static is None else static
     if problem.loads.axis is not None:
-        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem, static)]
+        return [*_limit_tilt(problem, Tilt.of(problem.loads)), _static(problem, static)]
     return [*_limits(problem, limit), _static(problem, static)]
 
 
@@ -135,7 +135,8 @@ def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Itera
 def _limit_tilt(problem: Problem, tilt: Tilt) -> Iterator[Row]:
     assembly = problem.assembly
     try:
-        limit = limit_tilt(assembly, tilt)
+        with naming_permanent(problem.loads):
+            limit = limit_tilt(assembly, tilt)
         if limit.mechanism is None:
             note = "in equilibrium at every tilt"
         else:
@@ -170,7 +171,7 @@ def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
     if loads.axis is None:
         change = rotation_effect(assembly, loads, path, load)
     else:
-        loads = turning(assembly, Tilt(loads.axis), load)
+        loads = turning(assembly, Tilt.of(loads), load)
         change, load = rotation_effect(assembly, loads, path, 0.0), load_of_tilt(load, loads)
     return None if change is None else change / load
 

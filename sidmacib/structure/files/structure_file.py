@@ -126,6 +126,17 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
     return tuple(found)
 
 
+def required_of(description: Mapping[str, Any], assembly: Assembly | None = None) -> float | None:
+    """How much of its load (N) a ``description`` wants to be carried; None if it does not say.
+
+    ``assembly``: of the description, if it is there. ValueError that names the key.
+    """
+    given = LoadSection.read(description.get("load"), "load")
+    if given.over_weight is not None and assembly is None:
+        assembly = assembly_of(description)
+    return given.amount(assembly)
+
+
 def blocks_and_rows(
     description: Any, folder: Path = Path()
 ) -> tuple[list[Block], dict[Pair, Row], float]:
