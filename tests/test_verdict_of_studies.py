@@ -1,5 +1,6 @@
 """One file has one verdict: at the command, and in the tables, summary and report of a study."""
 
+import html
 import json
 import math
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any
 import pytest
 import yaml
 from command_runner import run
+from conftest import run_study
 from structures import condensed_keys, example, solved
 
 from analysis.report.json_values import finding
@@ -15,6 +17,7 @@ from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
 from analysis.tables.structures import structures_table, verdicts_table
 from workflow.configuration import ConfigError, read_study
+from workflow.results.tables import VERDICTS, read_table
 from workflow.structures import changed, structure_cases
 
 PUSH = {"acceleration": [1, 0, 0]}
@@ -81,6 +84,18 @@ def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> No
         if "case" in row:
             told_of = (row["case"], row["carried"] == "yes", row["governs"] == "yes")
             assert told_of == (own["load"], own["carried"], own["governs"])
+
+
+@pytest.mark.study
+def test_the_summary_and_the_report_of_a_run_begin_with_the_verdict(tmp_path: Path) -> None:
+    file = tmp_path / "file.yaml"
+    file.write_text(yaml.safe_dump(DEMANDED["cases"], sort_keys=False))
+    said = run("assembly", str(file)).output.splitlines()[0]
+    run_study(study_of(DEMANDED["cases"]), tmp_path / "results", "structures.txt", "report.html")
+    assert f"it: {said}\n" in (tmp_path / "results/structures.txt").read_text()
+    assert said in html.unescape((tmp_path / "results/report.html").read_text())
+    table = read_table(VERDICTS, tmp_path / "results/tables/verdicts.csv")
+    assert table["governs"].tolist() == [False, False, True]
 
 
 def test_without_one_of_the_models_a_verdict_says_so(tmp_path: Path) -> None:

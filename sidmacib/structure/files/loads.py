@@ -266,7 +266,7 @@ class _Raised(_Pushed):
 
 class _Amount(Keys):
     newtons: Newtons | None = None
-    """how much is to be carried, N: whether it is, `multilock assembly` says"""
+    """how much is to be carried, N: whether it is, `multilock assembly` and studies say"""
     over_weight: OverWeight | None = None
     """or that over the weight of what can move"""
 

@@ -75,7 +75,7 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     """
     given = StructureFile.read(description)
     if given.load is None:
-        words = "; load_cases are for multilock assembly only" if given.load_cases else ""
+        words = "; load_cases are for multilock assembly and studies" if given.load_cases else ""
         raise ValueError(f"load: missing; this key is required{words}")
     assembly = assembly_of(given, folder)
     beside = permanent_on(assembly, given.permanent, given.tolerance)
