@@ -9,13 +9,16 @@ from typing import Any
 import pytest
 import yaml
 from command_runner import run
-from conftest import run_study
+from conftest import ROOT, run_study
 from structures import condensed_keys, example, solved
 
 from analysis.report.json_values import finding
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
 from analysis.tables.structures import structures_table, verdicts_table
+from sidmacib.answers.structure_limit import limit_state
+from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study
 from workflow.results.tables import VERDICTS, read_table
 from workflow.structures import changed, structure_cases
@@ -84,6 +87,25 @@ def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> No
         if "case" in row:
             told_of = (row["case"], row["carried"] == "yes", row["governs"] == "yes")
             assert told_of == (own["load"], own["carried"], own["governs"])
+
+
+@pytest.mark.parametrize("law", [{}, {"cohesion": "20kPa", "tensile_strength": "10kPa"}])
+def test_where_crushing_governs_an_arch_its_limit_load_counts_at_all_doors(
+    law: dict[str, str], tmp_path: Path
+) -> None:
+    arch = read_yaml(ROOT / "studies/arch/arch.yaml")
+    arch["interfaces"] = {"friction": 0.7, "compressive_strength": "150kPa", **law}
+    limit = limit_state(*structure_of(arch)).load
+    file = tmp_path / "arch.yaml"
+    file.write_text(yaml.safe_dump(arch, sort_keys=False))
+    rows = json.loads(run("assembly", str(file), "--format", "json").stdout)
+    table = structures_table(solved(tmp_path / "study", **study_of(arch)))
+    loads = [rows[-1]["load (N)"], *table["load_N"], *table["peak_N"].dropna()]
+    assert loads == pytest.approx([limit] * 4, rel=1e-9)
+    assert table.set_index("model").loc["static", "mode"] == "crushing"
+    words = "the peak counts: limited by crushing in limit analysis; voussoir"
+    assert words in rows[-1]["note"] and words in summary("results", table)
+    assert structures_verdict(table)[0]["text"].startswith(f"load: {limit:.4g} N")
 
 
 @pytest.mark.study

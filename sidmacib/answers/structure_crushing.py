@@ -51,7 +51,7 @@ def with_crushing(
     except UnboundedError as error:
         answer, unlimited = _as_far_as(problem, _limit_load(problem, limit), error), True
     begins = crushing_begins(answer.assembly, answer.path)
-    if begins is None:
+    if begins is None or begins[0] > answer.load:
         return _because(answer, NOT_CRUSHED)
     try:
         most = _limit_load(problem, limit)
