@@ -37,6 +37,11 @@ FALLS = {"pressure": {"side": [-1, 0, 0], "pascals": 4e4}}
 DEMANDED = {
     "bonds": changed(example("trilith"), {"load": {"newtons": "4kN"}}),
     "wall": example("retaining"),
+    "arch": {  # a bond fails before the load is raised
+        **read_yaml(ROOT / "studies/arch/arch.yaml"),
+        "interfaces": {"cohesion": "20kPa", "tensile_strength": "10kPa"},
+        "load": {**PUSH, "newtons": "1kN"},
+    },
     "locks": changed(condensed_keys(), {"load": {"newtons": 100}}),
     "crushed": {
         **CUBE,

@@ -119,8 +119,9 @@ class _Answer:
         if record.load_N is None:
             words = (record.error or record.refused or "").removeprefix(f"{record.model}: ")
             return RAISED.get(record.raised or "", CapacityError)(words)
-        part, peak = record.part, record.peak_N or record.load_N
-        failures = Failures(record.first_failure_load_N or peak, peak)
+        part, peak, first = record.part, record.peak_N, record.first_failure_load_N
+        peak = record.load_N if peak is None else peak
+        failures = Failures(peak if first is None else first, peak)
         counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
         return cls(record.load_N, failures, counts, part.mesh_error, record.mode)
 

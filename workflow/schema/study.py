@@ -121,8 +121,8 @@ class StructureSection(Section):
     """A structure of blocks: a ``file`` of `multilock assembly`, or its ``description`` here.
 
     ``file``: beside the configuration. ``models``: which of the study's models and engines analyse
-    it, by default all that can. ``loads``: by name, in place of the load in the description.
-    ``variants``: by name, changes to the description, where null leaves a key out; they run beside
+    it, by default all that can. ``loads``: by name, in place of the load, or the load cases, in the
+    description. ``variants``: by name, changes to the description, where null leaves a key out; they run beside
     the reference variant.
     """
 
