@@ -122,8 +122,8 @@ class StructureSection(Section):
 
     ``file``: beside the configuration. ``models``: which of the study's models and engines analyse
     it, by default all that can. ``loads``: by name, in place of the load, or the load cases, in the
-    description. ``variants``: by name, changes to the description, where null leaves a key out; they run beside
-    the reference variant.
+    description. ``variants``: by name, changes to the description, where null leaves a key out;
+    they run beside the reference variant.
     """
 
     file: Annotated[str, Some] | None = None
