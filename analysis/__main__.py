@@ -1,10 +1,15 @@
 """The commands behind `make case` and `make calibrate`."""
 
+from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
+from analysis.drawing import label_of, option_name, rule_name
+from sidmacib.contact_points import REDUCTIONS
 from sidmacib.engines import ENGINES
-from sidmacib.models import CLOSED_FORM, REFERENCE_MODEL
-from workflow.cases import find_case, find_place
+from sidmacib.joint import Direction
+from sidmacib.models import CLOSED_FORM, LAWS, REFERENCE_MODEL
+from workflow.cases import Place, find_case, find_place
 from workflow.command import (
     options_of,
     run_command,
@@ -13,16 +18,17 @@ from workflow.command import (
     use_writable_caches,
 )
 from workflow.configuration import CallError, ConfigError
-from workflow.results.record import RECORD, read_records
+from workflow.results import RECORD, read_records
+from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
+
+WITHOUT_WEIGHTS = ("none", "half")  # reductions that need nothing but the number of locks
 
 
 def run_case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if necessary and print its result; returns an error message, or None."""
     study = study_with_joints(config, results)
     use_writable_caches(Path(study.results))  # before importing modules that compile code
-    from analysis.summary.one_case import describe_record
-
     if model in CLOSED_FORM:
         return _rule(study, name, model)
     chosen = find_case(study, name, model)
@@ -45,7 +51,6 @@ def run_case(config: Path, results: str | None, name: str, model: str | None) ->
 
 def _rule(study: Study, name: str, model: str) -> str | None:
     """Print the result of a closed-form rule for a case; returns an error message, or None."""
-    from analysis.summary.one_case import describe_rule
     from analysis.tables.capacity import NO_ANSWER
 
     try:
@@ -57,9 +62,71 @@ def _rule(study: Study, name: str, model: str) -> str | None:
     return None
 
 
+def describe_record(record: JointRecord) -> str:
+    """Capacity and lock weights of a case, or the reason why it has none."""
+    part = record.part
+    if record.load_N is None or part.shear_N is None or part.torque_Nm is None:
+        return f"{record.name} ({record.model}): no result: {record.error or record.refused}"
+    lines = [
+        f"{record.name} ({record.model}): V = {part.shear_N:.2f} N, M = {part.torque_Nm:.4f} N m",
+    ]
+    name, unit, digits = ("V", "N", 2) if part.shear_N else ("M", "N m", 4)
+    for words, load in (
+        ("not carried any more", record.failed_load_N),
+        ("first failure", record.first_failure_load_N),
+    ):
+        if load is not None:
+            amount = load / record.load_N * (part.shear_N or part.torque_Nm)
+            lines.append(f"  {words}: {name} = {amount:.{digits}f} {unit}")
+    if record.peak_spread is not None:
+        lines.append(f"  spread of the peaks found: {100 * record.peak_spread:.2f} %")
+    if part.weights:
+        lines.append("  lock  block  weight  mean shear / tau  largest / tau")
+    lines += [
+        f"  {each.lock:>4}  {each.block:5}  {each.weight:6.3f}  {each.mean_shear_ratio:16.3f}"
+        f"  {each.max_shear_ratio:13.3f}"
+        for each in part.weights
+    ]
+    return "\n".join(lines)
+
+
+def describe_rule(study: Study, name: str, place: Place) -> str:
+    """The capacity at ``place`` by the closed-form rule ``name``, in words.
+
+    One of `NO_ANSWER` of `analysis.tables.capacity` where the rule has none.
+    """
+    from analysis.tables.capacity import law_capacity
+
+    if name not in LAWS:
+        return "\n".join(_sidmacib(study, name, place))
+    point = law_capacity(study, name, place.sample, place.ratio, place.variant)
+    return f"{label_of(name).name}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
+
+
+def _sidmacib(study: Study, name: str, place: Place) -> Iterator[str]:
+    from sidmacib.contact_points.programme import Sidmacib, capacity
+
+    joint = study.joint(place.sample, study.every_variant[place.variant])
+    direction = Direction(place.ratio)
+    yield f"{label_of(name).name}, by rules that need no weights; tables/capacity.csv has all"
+    rules = [rule for rule in study.sidmacib.reductions if rule in WITHOUT_WEIGHTS]
+    for rule, (option, points), friction in product(
+        rules, study.sidmacib.options.items(), (False, True)
+    ):
+        strength = REDUCTIONS[rule](joint, ())
+        model = Sidmacib(
+            joint, points.contact_option(), strength, friction, study.sidmacib.overload
+        )
+        point = capacity(model, direction)
+        label = (
+            f"{option_name(option)}, {'friction' if friction else 'no friction'}, {rule_name(rule)}"
+        )
+        yield f"  {label}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
+
+
 def run_calibration(config: Path, results: str | None) -> str | None:
     """Calibrate the joints of a study; returns an error message, or None."""
-    from analysis.calibration.calibrate import calibrate
+    from analysis.calibration import calibrate
 
     study_with_joints(config, results)
     return calibrate(config, results, snakemake)

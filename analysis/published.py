@@ -13,9 +13,9 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sidmacib.joint.joint import Side
+from sidmacib.joint import Side
 from workflow.schema import Study
-from workflow.schema.joint import AssemblySection
+from workflow.schema.sections import AssemblySection
 
 
 @dataclass(frozen=True)

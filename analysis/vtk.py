@@ -20,12 +20,11 @@ from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Kind, Piece
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.structure.analysis.rows import InterfaceRow
 from sidmacib.structure.blocks import solids_of
 from workflow.case import JointCase, StructureCase
-from workflow.results.record import read_records
-from workflow.results.structure_part import StructurePart
+from workflow.results import read_records
 from workflow.step import Arguments, FileLists, step
 
 CORNERS = np.array(
@@ -170,17 +169,13 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Arguments) -> None:
     paths = {path.name: path for path in outputs["files"]}
     for case in map(StructureCase.from_json, arguments["cases"]):
         assembly, part = case.subject.problem().assembly, found[case.id]
+        still = (0.0,) * 6  # where the model gives no motion
+        moves = [block.move or still for block in part.blocks] or [still] * len(assembly.pieces)
         for name, mesh in (
-            ("blocks", pieces_mesh(assembly, _moves(assembly, part), "block")),
+            ("blocks", pieces_mesh(assembly, np.array(moves), "block")),
             ("interfaces", interfaces_mesh(assembly, part.interfaces)),
         ):
             mesh.write(paths[f"{case.name}-{case.model}-{name}.vtu"])
-
-
-def _moves(assembly: Assembly, part: StructurePart) -> Floats:
-    """Displacement (m) and rotation of each block, (P, 6); 0 where the model gives none."""
-    rows = [block.move or (0.0,) * 6 for block in part.blocks]
-    return np.array(rows or [(0.0,) * 6] * len(assembly.pieces))
 
 
 if __name__ == "__main__":

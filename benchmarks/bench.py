@@ -21,23 +21,23 @@ import yaml
 import sidmacib
 from analysis.explore.pictures import answers, pictures
 from analysis.explore.state import Settings
-from analysis.tables.fit import best_pair
+from analysis.tables.comparisons import best_pair
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
 from benchmarks.usage import seconds, used
 from sidmacib.engines import ENGINES
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Problem
-from sidmacib.rule.law import RULES, first_failure
+from sidmacib.rule import RULES, first_failure
 from workflow.closure import ROOT
-from workflow.results.record import read_times
-from workflow.sampling import Sampling, sampled_joints
-from workflow.steps.sampling import solved_rows
+from workflow.results import read_times
+from workflow.sampling import sampled_joints, solved_rows
+from workflow.schema.sections import SamplingSection
 
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
 RATIOS = [round(0.02 * n, 2) for n in range(50)]
@@ -96,7 +96,7 @@ def library_figures() -> Iterator[Figure]:
         cases = partial(pool.map, static_load, range(1000), chunksize=50)
         spent = seconds(lambda: list(cases()), clock=time.perf_counter)
         yield Figure("static cases, 5 locks", "1/s", 1000 / spent)
-    sampled = list(sampled_joints(Sampling(512, 2026), Joint(5), 1, 41))
+    sampled = list(sampled_joints(SamplingSection(joints=512, seed=2026), Joint(5), 1, 41))
     ratios = (0.0, 0.05, 0.1, 0.3, 1.0, 3.0, float("inf"))
     points = partial(solved_rows, sampled, ratios, cells=(1, 2), limited=41)
     spent = seconds(lambda: list(points())) / (len(sampled) * len(ratios))

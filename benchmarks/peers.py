@@ -20,13 +20,13 @@ import numpy as np
 from scipy.optimize import linprog
 
 from benchmarks.usage import seconds
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble, cut_pieces
 from sidmacib.mechanics.assembly import Cuboid, Floats
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 DIRECTIONS = 200
 STEPS = 100  # of compas_lmgc90 to rest

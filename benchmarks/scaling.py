@@ -16,7 +16,7 @@ import yaml
 
 from benchmarks.usage import used
 from workflow.closure import ROOT
-from workflow.results.record import read_times
+from workflow.results import read_times
 
 MESHES = [0.02, 0.03]
 SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}

@@ -20,7 +20,7 @@ from benchmarks.peers import seconds_by_cra
 from benchmarks.usage import seconds
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.static import static_first_failure
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.compas_interfaces import read_compas_interfaces

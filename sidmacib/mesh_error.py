@@ -13,7 +13,7 @@ from enum import StrEnum, auto
 
 import numpy as np
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.contact_nodes import cells_along
 

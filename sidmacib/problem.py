@@ -80,7 +80,7 @@ class Outcome:
     ``failed_load``: the smallest load known not to be carried. ``first_failure_load``: where the
     first node fails; None in a model without failure. ``mode``: how the joint gives way; None if
     the model does not say. ``peak_spread``: of the peaks that were found, see
-    `sidmacib.mechanics.static.lowest_peak`. ``peak_load``: of the peak; None in a model without
+    `sidmacib.mechanics.static.peaks`. ``peak_load``: of the peak; None in a model without
     one.
 
     ``motion``: displacement (m) and rotation (rad) of each piece, (P, 6), and its ``motion_kind``,

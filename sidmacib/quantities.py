@@ -20,6 +20,8 @@ Choice = TypeVar("Choice", bound=StrEnum)
 
 FORMULA = ("=", "+", "-", "@")  # what formulas of a spreadsheet begin with
 MAX_SHOWN = 60  # letters of a value that a message shows
+DIGITS = 10  # significant digits that are kept
+LARGEST = 1e9  # number told without an exponent
 _DECIMAL = re.compile(r"[-+]?(\.[0-9]+|(0|[1-9][0-9]*)(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]{0,30})")
 
@@ -339,3 +341,19 @@ FractureEnergy = Annotated[float, Number(at_least=0, unit="J/m2")]
 Friction = Annotated[float, Number(at_least=0, likely=(0.0, 1.2))]
 Part = Annotated[float, Number(at_least=0, at_most=1)]
 Share = Annotated[float, Number(above=0, below=1)]  # neither nothing nor all
+
+
+def rounded(value: float) -> float:
+    """``value`` to `DIGITS` significant digits; never -0."""
+    return float(f"{value:.{DIGITS}g}") + 0.0
+
+
+def clean(value: float, noise: float) -> float:
+    """``value`` in multiples of ``noise``: the same on every machine."""
+    return rounded(round(value / noise) * noise)
+
+
+def four_digits(value: float) -> str:
+    """``value`` in four digits, without an exponent up to `LARGEST`."""
+    whole = 1e4 <= abs(value) < LARGEST
+    return f"{value:.0f}" if whole else f"{value:.4g}"

@@ -49,12 +49,9 @@ BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", r
 
 def growth(results: Path) -> str:
     """A row for each number of cases."""
-    table = pd.read_csv(results / "tables/scaling.csv")
-    rows = [
-        [form.format(row[column]) for column, form in COLUMNS.values()]
-        for row in table.to_dict("records")
-    ]
-    return markdown(list(COLUMNS), rows)
+    rows = pd.read_csv(results / "tables/scaling.csv").to_dict("records")
+    cells = [[form.format(row[column]) for column, form in COLUMNS.values()] for row in rows]
+    return markdown(list(COLUMNS), cells)
 
 
 def walls(results: Path) -> str:

@@ -4,7 +4,7 @@ Of all node forces that balance the loads, those minimise the sum of s^2 / (2 K 
 displacements of the pieces. Dry nodes cannot pull. Friction enters in one of two ways:
 
 - ``FrictionRule.COULOMB``: |s_t| <= mu N with N from the solution before, until it settles. Slip
-  does not dilate, as in `sidmacib.mechanics.static.model`; the load is applied in one step.
+  does not dilate, as in `sidmacib.mechanics.static`; the load is applied in one step.
 - ``FrictionRule.ASSOCIATED``: |s_t| <= mu s_n in one programme. Slip dilates, which presses the
   faces together and overestimates what friction carries.
 
@@ -22,8 +22,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.optimisation import solve
+from sidmacib.mechanics.optimisation import equilibrium_matrix, solve
 
 ROUNDS = 200
 LEAST_BOUND = 1e-6  # of friction, over a node's share of the load: solvers need an interior

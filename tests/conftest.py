@@ -28,7 +28,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_faces, shared_face
 from sidmacib.mechanics.assembly import (
@@ -45,13 +45,13 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
+from workflow import engine as engine_step
 from workflow.case import Case, JointCase, JointSubject
 from workflow.command import snakemake, snakemake_command
 from workflow.configuration import read_study
+from workflow.results import RECORD, read_records
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import RECORD, read_records
 from workflow.schema import Study
-from workflow.steps import engine as engine_step
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.

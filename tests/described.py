@@ -5,7 +5,7 @@ from typing import Any
 from conftest import ROOT
 
 from sidmacib.yaml_text import read_yaml
-from workflow.structures import changed
+from workflow.schema import with_changes
 
 BLOCK = {
     "blocks": {
@@ -19,7 +19,7 @@ BLOCK = {
 
 def study(name: str, **interfaces: float) -> dict[str, Any]:
     description = read_yaml(ROOT / f"studies/{name}.yaml")
-    return changed(description, {"interfaces": interfaces})
+    return with_changes(description, {"interfaces": interfaces})
 
 
 FILES = {

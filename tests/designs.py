@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from structures import dry
 
-from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
+from sidmacib.design import LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import DesignProblem, LoadCase, Site
-from sidmacib.joint.joint import DRY, INNER
+from sidmacib.joint import DRY, INNER
 from sidmacib.mechanics.assembly import Assembly, Vector
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import force_at

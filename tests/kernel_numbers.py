@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 from complementary_energy import least_energy_forces
 
+from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.envelope import envelope
-from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 DIRECTIONS = [Direction(e) for e in (0.0, 0.5, math.inf)]
 

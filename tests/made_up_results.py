@@ -8,12 +8,11 @@ import pandas as pd
 from analysis.published import read_published
 from analysis.tables.capacity import capacity_table
 from analysis.tables.collect import cases_table, weights_table
-from analysis.tables.comparisons import validation_table
-from analysis.tables.fit import best_table, fit_table
-from sidmacib.joint.weights import LockWeight
+from analysis.tables.comparisons import best_table, fit_table, validation_table
+from sidmacib.joint.pieces import LockWeight
 from workflow.case import JointCase
+from workflow.results import record_without_result
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import record_without_result
 from workflow.schema import Study
 
 

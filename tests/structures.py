@@ -15,11 +15,11 @@ from sidmacib.models import MODELS
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.yaml_text import read_yaml
+from workflow import engine, solve
 from workflow.configuration import read_study
 from workflow.jobs import case_jobs
-from workflow.results.record import read_records
+from workflow.results import read_records
 from workflow.results.structure_part import StructureRecord
-from workflow.steps import engine, solve
 
 
 def example(name: str) -> dict[str, Any]:

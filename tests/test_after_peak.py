@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import FaceMaterial, Failure
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.after_peak import LEAST_LOAD_LEFT, after_peak
-from sidmacib.mechanics.static.model import solver_of, static_peak
+from sidmacib.mechanics.static import solver_of, static_peak
+from sidmacib.mechanics.static.peaks import LEAST_LOAD_LEFT, after_peak
 from sidmacib.problem import Problem
 
 MESH = 0.03  # m

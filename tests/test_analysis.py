@@ -10,6 +10,7 @@ from made_up_results import capacity_of, record_with, tables_of
 
 from analysis.published import read_published
 from analysis.summary.summary import summary
+from analysis.tables import winner
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import (
     cases_table,
@@ -18,14 +19,13 @@ from analysis.tables.collect import (
     weight_sums,
     weights_table,
 )
-from analysis.tables.fit import best_pair, fit_table
-from analysis.tables.study_points import winner
-from sidmacib.contact_points.options import ContactOption, active
+from analysis.tables.comparisons import best_pair, fit_table
+from sidmacib.contact_points import ContactOption, active
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.results import record_without_result
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import record_without_result
 from workflow.results.tables import CAPACITY, CASES, WEIGHTS, TableError, read_table, write_table
 from workflow.schema import Study
 

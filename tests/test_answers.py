@@ -21,9 +21,9 @@ from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
-from workflow.results.record import Record, record_without_result
+from workflow.results import Record, record_without_result
 from workflow.results.structure_part import StructureRecord
-from workflow.steps.solve import solved_or_not
+from workflow.solve import solved_or_not
 
 SOLVE = {"static": structure_static.solve, "limit": structure_limit.solve}
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import block_on_ground, load_on_block
 
-from sidmacib.joint.joint import DRY, Joint
+from sidmacib.joint import DRY, Joint
 from sidmacib.mechanics.assembly import Kind
 
 NONE = math.nan, math.inf, -math.inf

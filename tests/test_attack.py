@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.rule.law import SPANS, spans_of
+from sidmacib.rule import SPANS, spans_of
 from studies.attack import search as attack
 from studies.attack.search import (
     DIMENSIONS,

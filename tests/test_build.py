@@ -16,15 +16,23 @@ from click.testing import CliRunner
 from conftest import ROOT
 from matplotlib.figure import Figure
 
-from sidmacib.build.formats import obj_text, stl, threemf
-from sidmacib.build.kinds import kinds, laid, letters, own_axes
+from sidmacib.build import (
+    Clearance,
+    Found,
+    Solid,
+    blocks_of_file,
+    joint_blocks,
+    kinds,
+    laid,
+    letters,
+    own_axes,
+    solids,
+)
+from sidmacib.build.files import obj_text, step, stl, threemf
 from sidmacib.build.sheet import draw_sheet, spelled
-from sidmacib.build.solids import Clearance, Solid, solids
-from sidmacib.build.sources import Found, blocks_of_file, joint_blocks
-from sidmacib.build.step import step
 from sidmacib.build.views import cut_place, section, view
 from sidmacib.command.main import main
-from sidmacib.joint.joint import Joint, OwnLock, Side
+from sidmacib.joint import Joint, OwnLock, Side
 from sidmacib.joint.pieces import cut_pieces
 from sidmacib.mechanics.assembly import Cuboid
 from sidmacib.structure.blocks import Block, prism

@@ -17,7 +17,7 @@ from sidmacib.engines.calculix.run import load_at, raised
 from sidmacib.engines.render import _material_names, assembly_data, engine_material
 from sidmacib.engines.run import EngineError, refusal
 from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of
-from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly as Discretised
@@ -25,7 +25,7 @@ from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
 from sidmacib.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
 from sidmacib.models.static import solve as static_model
 from workflow.configuration import ConfigError, read_study
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 ENGINE = ENGINES["calculix"]
 BLOCK = Elastic(1e10, 0.2)

@@ -23,7 +23,7 @@ from sidmacib.models.static import solve
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 PUBLISHED = read_published()
 GRID = {

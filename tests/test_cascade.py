@@ -15,7 +15,7 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.static.model import StaticSolution, static_peak
+from sidmacib.mechanics.static import StaticSolution, static_peak
 
 
 def on_supports(strength: tuple[float, ...], stiffness: tuple[float, ...]) -> Assembly:

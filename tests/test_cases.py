@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.engines.engine import Numerics
-from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint import DRY, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.models import SOLVED

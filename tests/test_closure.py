@@ -13,7 +13,7 @@ from conftest import ROOT, a_case
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.models import MODELS
@@ -77,8 +77,8 @@ def test_an_edit_changes_the_digest_of_what_runs_it_and_of_nothing_else(project:
 def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -> None:
     static, limit = closure("sidmacib.models.static"), closure("sidmacib.models.limit")
     assert "sidmacib.mechanics.limit" not in static
-    assert "sidmacib.mechanics.static.model" not in limit
-    for step in ("workflow.steps.engine", "workflow.steps.solve"):
+    assert "sidmacib.mechanics.static" not in limit
+    for step in ("workflow.engine", "workflow.solve"):
         assert not any(name.startswith(("workflow.schema", "analysis")) for name in closure(step))
     assert code_digest(["sidmacib.models.static"]) != code_digest(["sidmacib.models.limit"])
 
@@ -116,7 +116,7 @@ def test_what_a_run_imports_and_reads_is_in_its_closure(tmp_path: Path, model: s
     arguments = {"cases": cases, "module": MODELS[model].module}
     outputs = {name: f"{tmp_path}/{name}" for name in ("records", "nodes", "history")}
     _assert_covered(
-        "workflow.steps.solve",
+        "workflow.solve",
         arguments,
         outputs,
         (str(MODELS[model].module), *JointSubject.modules),
@@ -164,6 +164,4 @@ def test_what_an_engines_job_imports_and_reads_is_in_its_closure(
     arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
     outputs = {"record": f"{tmp_path}/record.json", "result": f"{tmp_path}/result.json"}
     modules, files = sources(ENGINES[model])
-    _assert_covered(
-        "workflow.steps.engine", arguments, outputs, (*modules, *JointSubject.modules), files
-    )
+    _assert_covered("workflow.engine", arguments, outputs, (*modules, *JointSubject.modules), files)

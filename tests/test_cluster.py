@@ -10,15 +10,15 @@ from conftest import ROOT, a_case
 from sidmacib.engines.engine import FOREIGN, engine_environment
 from sidmacib.engines.run import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
+from workflow import engine as engine_step
 from workflow.case import JointCase
 from workflow.command import profile_named
 from workflow.configuration import ConfigError
 from workflow.jobs import engine_resources, nodes_of, solved_resources
-from workflow.results.record import RECORD
+from workflow.results import RECORD
 from workflow.step import KilledError
-from workflow.steps import engine as engine_step
 
 
 def case_on(mesh: float) -> JointCase:

@@ -9,19 +9,19 @@ from pathlib import Path
 import pytest
 from command_runner import answers, run
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
+from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.effects import sensitivity
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import lock_weights
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.rule.law import law, safe
+from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.rule import law, safe
 from sidmacib.rule.pairs import pairs_of
 
 

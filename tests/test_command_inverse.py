@@ -7,7 +7,7 @@ import pytest
 from command_runner import answers, run
 
 from sidmacib.command.inverse import chart, prices_of, sought, values_of
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.rule.inverse import Demand, Prices, cheapest, fewest_locks
 

@@ -12,7 +12,7 @@ import pytest
 
 import sidmacib
 from sidmacib.answers.joint import quick_path
-from sidmacib.joint.joint import Hold
+from sidmacib.joint import Hold
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics import compilation
 from sidmacib.mechanics.precompiled import signatures

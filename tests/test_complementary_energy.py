@@ -7,13 +7,13 @@ from complementary_energy import FrictionRule, first_failure_load, least_energy_
 from conftest import block_on_ground, load_on_block
 
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 
 @pytest.mark.parametrize("locks", [3, 4])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sidmacib.engines.render import engine_material
 from sidmacib.engines.scripts.assembly import GivenMaterial
 from sidmacib.engines.scripts.assembly import utilisation as of_script
-from sidmacib.joint.joint import INNER, Joint
+from sidmacib.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import (

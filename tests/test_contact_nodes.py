@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.contact_nodes import cell_counts, contact_nodes, side_rule
-from sidmacib.mechanics.static.model import StaticSolution, static_peak
+from sidmacib.mechanics.static import StaticSolution, static_peak
 
 LAYOUTS = list(NodeLayout)
 EXACT = {NodeLayout.CENTRES: 1, NodeLayout.VERTICES: 1, NodeLayout.LOBATTO: 3}  # degree

@@ -18,7 +18,7 @@ from sidmacib.problem import Outcome
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.results.record import record_of
+from workflow.results import record_of
 from workflow.threedec import INCREMENT, deck, decks, fingerprint, read_returned
 
 STUDY = read_study(

@@ -8,8 +8,8 @@ import pytest
 from designs import FRICTION, KIND, T1, design_on, pushed, stack, two_blocks
 from structures import dry
 
+from sidmacib.design import directions_of, layouts_of
 from sidmacib.design.direction import RowSearch, choice_of
-from sidmacib.design.layouts import directions_of, layouts_of
 from sidmacib.design.model import DesignProblem, LoadCase
 from sidmacib.design.sizing import carried, largest_factor, least_cost, needed
 from sidmacib.errors import InfeasibleError

@@ -18,7 +18,7 @@ from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import designed, read_task, task_of
 from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.structure import refined
 

@@ -22,7 +22,7 @@ from workflow.configuration import read_study
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study
-from workflow.schema.joint import AssemblySection
+from workflow.schema.sections import AssemblySection
 
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "examples"
@@ -145,7 +145,7 @@ def test_the_site_is_built_without_a_warning(
         [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert "sidmacib.joint.joint.Joint" in (tmp_path / "api.html").read_text()
+    assert "sidmacib.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
     assert (tmp_path / "objects.inv").is_file()
     options = (tmp_path / "options.html").read_text()

@@ -11,7 +11,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import SolverError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
 from sidmacib.joint.pieces import assemble, shared_face
@@ -31,7 +31,7 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.elastic.solver import ElasticSolver
 from sidmacib.mechanics.equilibrium import unbalanced_forces, unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.model import solver_of, static_first_failure, static_peak
+from sidmacib.mechanics.static import solver_of, static_first_failure, static_peak
 
 YOUNG = 1e10
 LAYOUTS = list(NodeLayout)

@@ -26,7 +26,7 @@ from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
 from sidmacib.engines.scripts.surroundings import LOOK, MET, Surroundings, meeting
 from sidmacib.engines.sides import vertices_above
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics import assembly as mechanics

@@ -15,14 +15,14 @@ from sidmacib.command.main import main
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.run import OUTPUTS, EngineError
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 pytestmark = pytest.mark.engine
 

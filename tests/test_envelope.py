@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
 
+from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.contact_points.envelope import envelope, polygon
-from sidmacib.contact_points.options import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.errors import InfeasibleError, SolverError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 
 
 def support_of(points: np.ndarray):

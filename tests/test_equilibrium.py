@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -21,7 +21,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.equilibrium import wrenches
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.springs import compliance, natural_frequencies
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))

@@ -18,7 +18,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine
 from sidmacib.engines.render import DATA_FILE, MODULES
 from sidmacib.engines.run import OUTPUTS, EngineError, EngineNoAnswerError, execute, refusal
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Failure, Kind
 
 RESULT = {"peak_load_N": 12.5, "failed_load_N": 12.6}

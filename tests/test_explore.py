@@ -18,11 +18,11 @@ from analysis.explore.state import (
     from_query,
 )
 from sidmacib.answers.joint import meshes
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.joint.loading import Loading, posed
-from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.static import static_first_failure
 from sidmacib.problem import Problem
-from sidmacib.rule.law import law
+from sidmacib.rule import law
 from workflow.configuration import read_study
 
 STATES = (

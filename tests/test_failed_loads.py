@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.models import limit, static, structure_limit, structure_static
 from sidmacib.structure.analysis.tilt import PRECISION, tilt_of_load

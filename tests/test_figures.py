@@ -9,22 +9,22 @@ import pytest
 from conftest import ROOT
 from made_up_results import record_with, tables_of
 
-from analysis.figures.catalogue import figures_of
+from analysis.figures import figures_of
 from analysis.figures.draw import DRAWN_BY, KINDS, run
 from analysis.figures.joint import _cells
 from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
-from analysis.tables.fit import variants_table
+from analysis.tables.comparisons import variants_table
 from sidmacib.engines import ENGINES
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, detailed
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
-from workflow.results.record import record_without_result
+from workflow.results import record_without_result
 from workflow.results.tables import write_table
 
 

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Failure
-from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.rule.law import ELASTIC, JointFailure, first_failure
+from sidmacib.mechanics.static import static_first_failure
+from sidmacib.rule import ELASTIC, JointFailure, first_failure
 from sidmacib.rule.pairs import pairs_of
 
 SMOOTH = replace(DRY, friction=0.0)

@@ -6,7 +6,7 @@ import pytest
 
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.loads import free_weight

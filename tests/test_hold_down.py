@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import PLATE, assemble
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import Mode, StaticSolution, static_peak
+from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
 
 PUSHED = Loading(Direction(0.0))
 WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight()]

@@ -17,8 +17,8 @@ HEAVY = {"cvxpy", "highspy", "clarabel", "scipy", "pandas", "pyarrow", "numba", 
     "yaml",
 }
 DESCRIPTION = (
-    *("errors", "joint.joint", "joint.pieces", "joint.loading", "validation"),
-    "contact_points.options",
+    *("errors", "joint", "joint.pieces", "joint.loading", "validation"),
+    "contact_points",
     *("mechanics.assembly", "mechanics.equilibrium", "mechanics.contact_law"),
 )
 

@@ -8,7 +8,7 @@ from structures import dry
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.forces import InterfaceForce, interface_forces
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import acceleration, force_at

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind
+from sidmacib.rule import safe
 from sidmacib.rule.inverse import (
     Demand,
     Prices,
@@ -22,7 +23,6 @@ from sidmacib.rule.inverse import (
     variants,
     volume_cut,
 )
-from sidmacib.rule.law import safe
 
 SMOOTH = replace(DRY, friction=0.0)
 WEIGHTLESS = Joint(5, a=0.08, H=0.06, density=0.0)

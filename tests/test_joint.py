@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import Direction, Joint, Side
+from sidmacib.joint import Direction, Joint, Side
 
 
 def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:

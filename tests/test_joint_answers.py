@@ -11,12 +11,12 @@ from analysis.explore.pictures import answers as explored
 from analysis.explore.pictures import peak, which_counts
 from analysis.explore.state import Settings
 from sidmacib.answers.joint import JointAnswer, joint_answer, meshes
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.joint.loading import Loading
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models.static import solve
-from workflow.results.record import record_of
+from workflow.results import record_of
 
 JOINTS = {
     "published": Settings(),

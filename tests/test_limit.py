@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError, UnboundedError
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.optimisation import equilibrium_matrix
+from sidmacib.mechanics.static import static_peak
 
 
 def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:

@@ -10,7 +10,7 @@ from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics import sliding
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from studies.flat_vault.geometry import FILES
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Vector
 from sidmacib.mechanics.limit import limit_load

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import INNER, Direction, Joint
+from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.errors import CapacityError, InfeasibleError
-from sidmacib.joint.joint import DRY, Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
-from sidmacib.rule.law import RULES
+from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import Pair, structure

@@ -9,7 +9,7 @@ import pytest
 
 from analysis.summary.summary import spread_lines
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.joint.joint import INNER, Direction, Elastic, Joint, UpperBody
+from sidmacib.joint import INNER, Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout
@@ -17,8 +17,9 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static import lowest_peak as module
-from sidmacib.mechanics.static.lowest_peak import (
+from sidmacib.mechanics.static import peaks as module
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import (
     LOWER,
     MOST,
     MOST_ELASTIC,
@@ -26,11 +27,10 @@ from sidmacib.mechanics.static.lowest_peak import (
     FromElsewhere,
     lowest_peak,
 )
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.models.static import solve
 from workflow.case import Case, JointSubject
 from workflow.results.joint_part import JointRecord
-from workflow.steps.solve import solved
+from workflow.solve import solved
 
 NODES, FINE = NodeLayout.LOBATTO, 0.0124875
 

@@ -10,8 +10,7 @@ from conftest import outputs_of
 
 from analysis.tables.comparisons import measured_table
 from workflow.configuration import ConfigError, read_study
-from workflow.schema import Study
-from workflow.schema.study import MeasuredLoad
+from workflow.schema import MeasuredLoad, Study
 
 SOURCE = {"source": "a made-up campaign, for tests", "digitised": "not at all"}
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Elastic, Joint, UpperBody
+from sidmacib.joint import Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.elastic import solver
 from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 
 def joint(locks: int, body: UpperBody = UpperBody.COLUMNS) -> Joint:

@@ -10,16 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.tables.collect import ResultErrors, errors_of
-from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
+from analysis.tables.collect import errors_of
+from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
+from sidmacib.problem import MeshErrors
 from workflow.case import Case, JointSubject
 from workflow.cases import second_mesh
+from workflow.results import record_without_result
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import record_without_result
 
 LIMIT = 100.0  # N, made-up capacity at an ever finer mesh
 
@@ -108,7 +109,7 @@ def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nod
     found = errors_of(records)
     cells = math.sqrt(30.0)  # at 0.01 m; 3 at 0.02 m
     expected = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
-    assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(expected))
+    assert found["static", "n-mesh0.02"] == MeshErrors(None, pytest.approx(expected))
     assert found["yade", "soft"] == found["limit", "n-mesh0.02"] == found["static", "n-mesh0.02"]
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.tables.study_points import misfit
+from analysis.tables import misfit
 
 REFERENCE = np.array([100.0, 200.0, 400.0])
 

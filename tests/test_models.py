@@ -7,7 +7,7 @@ from conftest import ROOT
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 from structures import dry
 
+from sidmacib.design import LockKind, layouts_of
 from sidmacib.design.blocking import conflict, order_of
-from sidmacib.design.layouts import LockKind, layouts_of
 from sidmacib.design.model import Site
-from sidmacib.joint.joint import DRY, INNER
+from sidmacib.joint import DRY, INNER
 from sidmacib.mechanics.assembly import Assembly, Vector
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure

@@ -9,15 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
-from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.joint.weights import LockWeight, lock_weights
+from sidmacib.joint.pieces import LockWeight, assemble, lock_faces, lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import StaticSolution, static_peak
+from sidmacib.mechanics.static import StaticSolution, static_peak
 
 own_locks = st.builds(
     OwnLock,

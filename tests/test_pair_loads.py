@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import READY_OPTIONS, ContactOption
+from sidmacib.contact_points import READY_OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities, pair_loads
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 
 DIRECTIONS = [Direction(e) for e in (0.0, 0.2, -0.2, 1.0, -5.0, math.inf, -math.inf)]
 DIFFERENT = {

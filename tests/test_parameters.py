@@ -2,10 +2,10 @@
 
 import pytest
 
-from sidmacib.joint.joint import Direction, HoldDown, Joint
+from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.parameters import PARAMETERS, SIZES, with_parameters
 from sidmacib.quantities import Length
-from sidmacib.rule.law import law, spans_of
+from sidmacib.rule import law, spans_of
 
 BENDS = with_parameters(Joint(5), {"young": 1e10, "hold_down": HoldDown.pressure(1e4)})
 # The law has been tested with all of these words, and a first failure comes before any fracture

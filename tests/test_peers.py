@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import furthest_by_highs, standard_form
-from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 
 
 @pytest.mark.parametrize("way", [(1.0, 0.0), (0.3, 0.7), (-0.2, -0.9)])

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
 from sidmacib.mechanics.assembly import Cuboid, FaceMaterial, Kind, NodeLayout, Rectangle
 

@@ -12,7 +12,7 @@ from workflow.cases import cases_of
 from workflow.command import lock
 from workflow.configuration import CallError, read_study, read_study_file
 from workflow.jobs import BATCH, BATCH_TIME, batches, case_jobs, solved_resources
-from workflow.results.record import BROKE_DOWN
+from workflow.results import BROKE_DOWN
 
 SMALL = {
     "samples": {"n3": {"locks": 3}},

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import sidmacib.contact_points.programme as programme_module
-from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption, contact_points
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption, contact_points
 from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, programme
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.optimisation import solve
 

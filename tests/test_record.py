@@ -20,17 +20,16 @@ from sidmacib.engines.results import (
     read_outcome,
 )
 from sidmacib.errors import ResultError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
-from sidmacib.joint.pieces import assemble
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import assemble, lock_weights
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.problem import Outcome, State
 from workflow.case import Case, JointCase, JointSubject
-from workflow.results.record import Record, record_of, record_without_result
-from workflow.steps.solve import solved
+from workflow.results import Record, record_of, record_without_result
+from workflow.solve import solved
 
 JOINT = Joint(3)
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from sidmacib.contact_points.options import REDUCTIONS, active, half_rule
-from sidmacib.joint.joint import Joint, OwnLock, Side
+from sidmacib.contact_points import REDUCTIONS, active, half_rule
+from sidmacib.joint import Joint, OwnLock, Side
 
 WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)
 

@@ -17,7 +17,7 @@ from sidmacib.engines.engine import Engine, Numerics
 from sidmacib.engines.render import DATA_FILE, MODULES, script, write_script
 from sidmacib.engines.run import guide_for, guide_of, run_engine
 from sidmacib.engines.scripts.assembly import read_assembly
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic, Loads, NodeLayout

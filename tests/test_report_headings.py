@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 from conftest import ROOT
 
-from analysis.report.json_values import headings, words
+from analysis.report import headings, words
+from analysis.report.joints import sample_words
 from analysis.report.page import ADDRESS, SCRIPTS_OF_PARTS
 from analysis.report.page import SCRIPTS as SCRIPTS_OF_ALL
-from analysis.report.provenance import sample_words
 from sidmacib.scene.page import SCRIPTS
 from workflow.configuration import read_study
 from workflow.results.columns import TABLES

@@ -18,10 +18,10 @@ from analysis.report.structures import structures_verdict
 from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import StructureCase
+from workflow.cases import structure_cases
 from workflow.command import REPORT
 from workflow.configuration import read_study
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
-from workflow.structures import structure_cases
 
 pytestmark = pytest.mark.study
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analysis.report.paths import path_of, shown_cases
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study

@@ -8,12 +8,12 @@ from scipy.stats import binom
 from test_scatter import strengths
 
 import sidmacib
-from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, OwnLock
+from sidmacib.joint import Direction, Hold, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.solution import Mode
-from sidmacib.mechanics.static.model import first_failure_of, solver_of
-from sidmacib.rule.law import COARSE, first_failure, weakened
+from sidmacib.mechanics.static import first_failure_of, solver_of
+from sidmacib.rule import COARSE, first_failure, weakened
 from sidmacib.rule.reliability import (
     Reliability,
     at_most_resists,

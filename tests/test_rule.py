@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_first_failure, static_peak
-from sidmacib.rule.law import RULES, SAFETY, law, safe
+from sidmacib.mechanics.static import static_first_failure, static_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.rule import RULES, SAFETY, law, safe
 
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
 

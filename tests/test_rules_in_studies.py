@@ -7,11 +7,10 @@ import pandas as pd
 import pytest
 from made_up_results import capacity_of, record_with
 
-from analysis.__main__ import run_case
-from analysis.summary.one_case import describe_rule
+from analysis.__main__ import describe_rule, run_case
 from analysis.tables.capacity import law_rows
-from sidmacib.joint.joint import Direction
-from sidmacib.rule.law import law, safe
+from sidmacib.joint import Direction
+from sidmacib.rule import law, safe
 from workflow.cases import cases_of, find_place
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study

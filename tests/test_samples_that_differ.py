@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
 
-from analysis.figures.catalogue import figures_of
+from analysis.figures import figures_of
 from analysis.published import comparisons, difference_text, read_published
 from analysis.summary.summary import leading_models, summary
 from analysis.tables.capacity import sidmacib_rows
@@ -16,7 +16,7 @@ from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
-from workflow.schema.joint import PartSection
+from workflow.schema.sections import PartSection
 
 pytestmark = pytest.mark.study
 

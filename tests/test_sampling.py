@@ -11,9 +11,9 @@ import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
 
-from sidmacib.contact_points.options import OPTIONS, active
+from sidmacib.contact_points import OPTIONS, active
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml
@@ -21,22 +21,21 @@ from studies.locks import law
 from studies.locks.freedoms import freedoms_table
 from studies.locks.tables import law_table, points_of, unit_loads
 from studies.locks.variation import VARIED, sensitivity_table
+from workflow import sampling as solve_step
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.sampling import SampledJoint, sampled_joints
-from workflow.schema.joint import SamplingSection
-from workflow.steps import sampling as solve_step
-from workflow.steps.sampling import samplings_table
+from workflow.sampling import SampledJoint, sampled_joints, samplings_table
+from workflow.schema.sections import SamplingSection
 
 RATIOS = [0.0, 0.3, math.inf]
 
 
 def joints_of(count: int, **others: Any) -> list[SampledJoint]:
     section = SamplingSection(joints=count, **others)
-    return list(sampled_joints(section.sampling(), Joint(3), 0, count))
+    return list(sampled_joints(section, Joint(3), 0, count))
 
 
 def test_any_part_of_a_sampling_can_be_made_alone() -> None:
-    sampling = SamplingSection(joints=100).sampling()
+    sampling = SamplingSection(joints=100)
     assert list(sampled_joints(sampling, Joint(3), 37, 45)) == joints_of(100)[37:45]
 
 
@@ -97,7 +96,7 @@ def points(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     folder = tmp_path_factory.mktemp("sampling")
     section = SamplingSection(joints=16, seed=11, locks=(3, 9), pressed=0.0)
     arguments = {
-        **{"name": "made_up", "sampling": asdict(section.sampling()), "base": asdict(Joint(3))},
+        **{"name": "made_up", "sampling": section.parameters(), "base": asdict(Joint(3))},
         **{"start": 0, "stop": 12, "eccentricities": RATIOS, "cells": (1, 2), "limited": 6},
     }
     batches = []
@@ -182,7 +181,7 @@ def test_a_campaign_that_there_is_not_is_refused() -> None:
 def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:
     """In pure shear a hangs together with nothing: forces and strengths grow with it alike."""
     section = SamplingSection(joints=2, friction=(0.0, 1e-9))
-    table = sensitivity_table(section.sampling(), Joint(3), draws=2)
+    table = sensitivity_table(section, Joint(3), draws=2)
     assert len(table) == 2 * 2 * 2 * len(VARIED)
     total = table.set_index(["eccentricity_over_a", "parameter"])["total"]
     assert total.loc[(slice(None), "friction")].abs().max() < 0.05

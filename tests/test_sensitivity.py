@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 
 from sidmacib.errors import CapacityError
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.effects import Effect, Sensitivity, sensitivity
-from sidmacib.joint.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import assemble, reassemble
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.rule.law import law
+from sidmacib.mechanics.static import static_first_failure
+from sidmacib.rule import law
 
 SMOOTH = replace(DRY, friction=0.0)
 WEAK = replace(INNER, tensile_strength=0.0)

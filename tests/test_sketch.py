@@ -5,8 +5,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from analysis.drawing.sketch import PICTURE, seen, sketch
-from sidmacib.joint.joint import Joint
+from analysis.drawing import PICTURE, seen, sketch
+from sidmacib.joint import Joint
 
 SVG = "{http://www.w3.org/2000/svg}"
 

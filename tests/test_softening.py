@@ -9,14 +9,14 @@ from conftest import block_on_ground, load_on_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import INNER, Direction, Joint
+from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.softening import Softening
 
 STORED = INNER.cohesion**2 / (2 * INNER.shear_stiffness)  # J/m2, elastically, at failure

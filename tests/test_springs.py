@@ -5,15 +5,15 @@ import pytest
 from conftest import point_at
 from stack import tilted_stack
 
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint import Joint, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton.equilibrium import solve_linear
 from sidmacib.mechanics.newton.faces import tangent_stiffness
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.rigid import RigidSolver, ordering
 from sidmacib.mechanics.springs import Springs
 

@@ -14,15 +14,15 @@ from hypothesis import strategies as st
 from stack import tilted_stack
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
-from sidmacib.joint.joint import INNER, Direction, HoldDown, Joint
+from sidmacib.joint import INNER, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.static.model import Mode, StaticSolution, static_first_failure, static_peak
+from sidmacib.mechanics.optimisation import equilibrium_matrix
+from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> tuple[Assembly, StaticSolution]:

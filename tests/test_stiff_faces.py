@@ -9,11 +9,11 @@ from conftest import DISTINCT, run_guided
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.results import read_outcome
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import FIXED_PLATE, Direction, HoldDown, Joint
+from sidmacib.joint import FIXED_PLATE, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.springs import compliance
-from sidmacib.mechanics.static.model import Mode, static_first_failure, static_peak
+from sidmacib.mechanics.static import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem
 
 SOFT = 1e8  # Pa/m, of inner faces

@@ -11,11 +11,11 @@ from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import shared_volume

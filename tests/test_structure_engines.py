@@ -21,7 +21,7 @@ from sidmacib.engines.results import read_outcome
 from sidmacib.engines.run import EngineNoAnswerError
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Outcome, Problem
 from sidmacib.structure.analysis.capacity_curve import capacity_curve
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting

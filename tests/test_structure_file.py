@@ -12,11 +12,11 @@ from conftest import ROOT
 
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.files.structure_file import read_structure
 from sidmacib.yaml_text import read_yaml
-from workflow.structures import changed
+from workflow.schema import with_changes
 
 GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
 BLOCK = {"low": [0, 0, 0], "high": [0.4, 0.6, 1.0], "density": 2000}
@@ -252,16 +252,17 @@ BAD = [
 def test_a_bad_number_is_reported_with_its_key_and_what_is_allowed(
     path: Path, changes: dict[str, Any], words: str
 ) -> None:
-    path.write_text(yaml.safe_dump(changed(ON_GROUND, changes)))
+    path.write_text(yaml.safe_dump(with_changes(ON_GROUND, changes)))
     with pytest.raises(ValueError, match=words):
         read_structure(path)
 
 
 def test_numbers_that_look_like_another_unit_are_noted(path: Path) -> None:
-    path.write_text(yaml.safe_dump(changed(ON_GROUND, {"interfaces": {"friction": 30.0}})))
+    path.write_text(yaml.safe_dump(with_changes(ON_GROUND, {"interfaces": {"friction": 30.0}})))
     result = run("assembly", str(path))
     assert "friction: 30 is very large; is it an angle in degrees?" in result.stderr
-    path.write_text(yaml.safe_dump(changed(ON_GROUND, {"blocks": {"block": {"density": 2.4}}})))
+    light = {"blocks": {"block": {"density": 2.4}}}
+    path.write_text(yaml.safe_dump(with_changes(ON_GROUND, light)))
     assert "block: density: 2.4 kg/m3 is very small" in run("assembly", str(path)).stderr
 
 
@@ -286,6 +287,6 @@ def test_interfaces_are_told_at_the_load_that_counts(path: Path) -> None:
 
 def test_blocks_that_may_be_in_millimetres_are_noted(path: Path) -> None:
     wide = {"blocks": {"block": {"high": [720.0, 1.0, 1.0]}}}
-    path.write_text(yaml.safe_dump(changed(ON_GROUND, wide)))
+    path.write_text(yaml.safe_dump(with_changes(ON_GROUND, wide)))
     noted = run("assembly", str(path)).stderr
     assert "block: diagonal: 720.001 m is very large; is it in m?" in noted

@@ -13,13 +13,13 @@ from structures import solved
 
 from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary
-from analysis.tables import supports
-from analysis.tables.structures import structures_table
+from analysis.tables.structures import structures_table, write_supports
 from sidmacib.yaml_text import read_yaml
 from workflow.case import StructureCase
+from workflow.cases import structure_cases, support_cases
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, SUPPORTS, read_table
-from workflow.structures import changed, structure_cases, support_cases
+from workflow.schema import with_changes
 
 TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
@@ -64,7 +64,7 @@ def test_loads_and_variants_multiply_and_change_the_description() -> None:
 
 def test_changes_reach_below_a_key_and_take_keys_away() -> None:
     before = {"a": {"b": 1, "c": 2}, "d": [1]}
-    assert changed(before, {"a": {"b": None, "c": 3}, "d": [2]}) == {"a": {"c": 3}, "d": [2]}
+    assert with_changes(before, {"a": {"b": None, "c": 3}, "d": [2]}) == {"a": {"c": 3}, "d": [2]}
     assert before == {"a": {"b": 1, "c": 2}, "d": [1]}
 
 
@@ -117,7 +117,7 @@ def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) 
         [each.structure, each.load, each.description, variant]
         for each, variant in support_cases(study)
     ]
-    supports.run({"cases": cases}, {}, {"supports": tmp_path / "supports.csv"})
+    write_supports({"cases": cases}, {}, {"supports": tmp_path / "supports.csv"})
     table = read_table(SUPPORTS, tmp_path / "supports.csv")
     row = table.set_index(["load", "variant", "answer"]).loc
     # By hand, see docs/howto/displacements.md: beam and wall turn about the edge of the pier.
@@ -156,7 +156,7 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
             r"trilith\.description: lode: unknown key; allowed keys: blocks, load",
         ),
         (
-            {"description": changed(TRILITH, {"blocks": {"free": FREE}})},
+            {"description": with_changes(TRILITH, {"blocks": {"free": FREE}})},
             r"trilith\.description: free: touches no other block",
         ),
         (
@@ -209,7 +209,7 @@ def test_the_table_has_each_load_beside_the_weight(results: Path) -> None:
 @pytest.mark.study
 def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Path) -> None:
     loads = {"load": TRILITH["load"], "tilt": {"tilt": {"axis": [0, 1, 0]}}}
-    dry = changed(TRILITH, {"special": None})
+    dry = with_changes(TRILITH, {"special": None})
     table = made(tmp_path, **study_of(description=dry, loads=loads)).set_index(["case", "model"])
     tilts = table.loc["trilith-tilt"]
     # Dry blocks at a tilt are blocks under an acceleration of its tangent.

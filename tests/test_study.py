@@ -11,9 +11,9 @@ from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS
 from sidmacib.engines.engine import Numerics
-from sidmacib.joint.joint import Joint, OwnLock, UpperBody
+from sidmacib.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section
@@ -21,16 +21,17 @@ from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.consistency import node_estimate, notes
 from workflow.schema import Study
-from workflow.schema.joint import (
+from workflow.schema.sections import (
     DryChanges,
     DryFaceSection,
     GeometrySection,
     InnerChanges,
     InnerFaceSection,
     LockSection,
+    NumericsChanges,
+    NumericsSection,
     SampleSection,
 )
-from workflow.schema.models import NumericsChanges, NumericsSection
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}

@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
 
-from analysis.summary.answers import rule_errors
+from analysis.summary import rule_errors
 from analysis.summary.summary import leading_models, summary
-from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction
-from sidmacib.rule.law import safe
+from sidmacib.joint import Direction
+from sidmacib.rule import safe
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.schema import Study

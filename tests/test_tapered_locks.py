@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout, self_weight
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from workflow.results.record import BENCHMARKS, read_times
+from workflow.results import BENCHMARKS, read_times
 
 HEAD = "s\th:m:s\tcpu_time\n"
 

@@ -13,7 +13,7 @@ from sidmacib.mechanics.crushing import Limited
 from sidmacib.mechanics.limit import limit_load, solved
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.twist import Pressure, linear_pressure
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.parameters import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
 from workflow.configuration import read_study

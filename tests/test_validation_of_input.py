@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib
-from sidmacib.joint.joint import INNER, Direction, Joint, OwnLock
+from sidmacib.joint import INNER, Direction, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, with_parameters
 from sidmacib.mechanics.assembly import Elastic
 

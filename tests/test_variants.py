@@ -9,11 +9,11 @@ import pandas as pd
 import pytest
 from made_up_results import capacity_of, record_with
 
-from analysis.figures.catalogue import FigureSpec
-from analysis.figures.material import FigureData
+from analysis.figures import FigureSpec
 from analysis.figures.models import fracture_energy, stiffness
+from analysis.figures.style import FigureData
 from analysis.tables.collect import weight_sums, weights_table
-from analysis.tables.fit import variants_table
+from analysis.tables.comparisons import variants_table
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.models import detailed
 from workflow.case import JointCase

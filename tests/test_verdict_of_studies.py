@@ -12,16 +12,17 @@ from command_runner import run
 from conftest import ROOT, run_study
 from structures import condensed_keys, example, solved
 
-from analysis.report.json_values import finding
+from analysis.report import finding
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
 from analysis.tables.structures import structures_table, verdicts_table
 from sidmacib.answers.structure_limit import limit_state
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
+from workflow.cases import structure_cases
 from workflow.configuration import ConfigError, read_study
 from workflow.results.tables import VERDICTS, read_table
-from workflow.structures import changed, structure_cases
+from workflow.schema import with_changes
 
 PUSH = {"acceleration": [1, 0, 0]}
 PUSHED_BY = {**PUSH, "newtons": 1}
@@ -35,14 +36,14 @@ CUBE: dict[str, Any] = {
 DOWN = {"force": {"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1]}}
 FALLS = {"pressure": {"side": [-1, 0, 0], "pascals": 4e4}}
 DEMANDED = {
-    "bonds": changed(example("trilith"), {"load": {"newtons": "4kN"}}),
+    "bonds": with_changes(example("trilith"), {"load": {"newtons": "4kN"}}),
     "wall": example("retaining"),
     "arch": {  # a bond fails before the load is raised
         **read_yaml(ROOT / "studies/arch/arch.yaml"),
         "interfaces": {"cohesion": "20kPa", "tensile_strength": "10kPa"},
         "load": {**PUSH, "newtons": "1kN"},
     },
-    "locks": changed(condensed_keys(), {"load": {"newtons": 100}}),
+    "locks": with_changes(condensed_keys(), {"load": {"newtons": 100}}),
     "crushed": {
         **CUBE,
         "interfaces": {"friction": 0.7, "compressive_strength": "50kPa"},
@@ -144,7 +145,7 @@ def test_loads_of_a_study_stand_in_place_of_load_cases() -> None:
     ("description", "words"),
     [
         (
-            changed(DEMANDED["cases"], {"load_cases": {"flood": {"newtons": 0}}}),
+            with_changes(DEMANDED["cases"], {"load_cases": {"flood": {"newtons": 0}}}),
             r"it\.description: load_cases\.flood\.newtons: 0 is not allowed",
         ),
         (
@@ -153,7 +154,7 @@ def test_loads_of_a_study_stand_in_place_of_load_cases() -> None:
         ),
         (
             {**CUBE, "load_cases": {"a b": PUSHED_BY, "a_b": PUSHED_BY}},
-            r"it\.description\.load_cases: two names differ in other characters than letter",
+            r"it\.description\.load_cases: names must differ in letters, digits",
         ),
     ],
 )

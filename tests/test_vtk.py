@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.vtk import write_path
-from sidmacib.joint.joint import Direction, Elastic, Joint
+from sidmacib.joint import Direction, Elastic, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.case import Case, JointCase, JointSubject

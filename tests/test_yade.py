@@ -12,12 +12,12 @@ from conftest import a_case, block_on_ground, run_case
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import OUTPUTS
-from sidmacib.joint.joint import INNER, Direction, Joint
+from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout, self_weight
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 
 pytestmark = pytest.mark.engine
 

@@ -28,7 +28,7 @@ from workflow.command import (
 from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import notes
 from workflow.jobs import case_jobs
-from workflow.results.record import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
+from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
 from workflow.schema import Study
 
 SUMMARIES = {  # and the marks that nothing is missing, whose logs show that they were written

@@ -1,4 +1,4 @@
-"""The cases of a study: one model, one joint, one mesh, one direction of loading each."""
+"""The cases of a study: one model each, of one joint, mesh and direction, or of one structure."""
 
 import difflib
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -8,19 +8,34 @@ from itertools import product
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine, Numerics
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import APART, cells_of
 from sidmacib.model import Model
 from sidmacib.models import CLOSED_FORM, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
-from workflow.case import REFERENCE, Case, CaseId, JointCase, JointSubject, case_name
+from workflow.case import (
+    REFERENCE,
+    Case,
+    CaseId,
+    JointCase,
+    JointSubject,
+    StructureCase,
+    StructureSubject,
+    case_name,
+    structure_case_name,
+)
 from workflow.configuration import CallError, ConfigError
-from workflow.consistency import MAX_NODES, node_estimate, requirements
+from workflow.consistency import MAX_NODES, models_of, moves_support, node_estimate, requirements
 from workflow.schema import Study
-from workflow.schema.joint import AssemblySection, PartSection, VariantSection
-from workflow.schema.models import NumericsChanges, NumericsSection
+from workflow.schema.sections import (
+    AssemblySection,
+    NumericsChanges,
+    NumericsSection,
+    PartSection,
+    VariantSection,
+)
 
 MAX_CASES = 1_000_000
 DEAR = 10.0  # largest cost of an extra finer mesh, over that of the study's finest mesh
@@ -237,3 +252,29 @@ def find_case(study: Study, name: str, model: str | None = None) -> JointCase:
         names = {case for case_model, case in cases if case_model == model}
         raise CallError(f"CASE: {shown(name)} is not a case of {model}; {_near(name, names)}")
     return cases[chosen]
+
+
+def structure_cases(study: Study) -> Iterator[StructureCase]:
+    """Each structure with each load and variant, in each of its models."""
+    numerics = study.dem.numerics.numerics()
+    for name, section in study.structures.items():
+        for model in models_of(study, section):
+            engine = ENGINES.get(model)
+            for load, variant, description in section.described():
+                if moves_support(description):
+                    continue
+                yield Case(
+                    name=structure_case_name(name, load, variant),
+                    model=model,
+                    variant=variant,
+                    subject=StructureSubject(name, load, description),
+                    numerics=engine.numerics(numerics) if engine else None,
+                )
+
+
+def support_cases(study: Study) -> Iterator[tuple[StructureSubject, str]]:
+    """Each structure, its load and the variant, where a support moves: of no model."""
+    for name, section in study.structures.items():
+        for load, variant, description in section.described():
+            if moves_support(description):
+                yield StructureSubject(name, load, description), variant

@@ -46,11 +46,6 @@ def source(module: str) -> Path | None:
     return next((found for found in candidates if found.is_file()), None)
 
 
-def _is_package(module: str) -> bool:
-    path = source(module)
-    return path is not None and path.name == "__init__.py"
-
-
 def _parents(module: str) -> Iterator[str]:
     """The packages that a module is in, but for those without a file of their own."""
     parts = module.split(".")
@@ -60,13 +55,14 @@ def _parents(module: str) -> Iterator[str]:
 @cache
 def _imports(module: str) -> tuple[str, ...]:
     names: list[str] = []
+    path, inside = source(module), module.split(".")
+    inside += ["__init__"] * (path is not None and path.name == "__init__.py")
     for node in _statements(_tree(module)):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             # Relative imports start at the package of the module, or at one above it.
-            package = [*module.split("."), *(["__init__"] if _is_package(module) else [])]
-            above = package[: -node.level] if node.level else []
+            above = inside[: -node.level] if node.level else []
             base = ".".join([*above, *([node.module] if node.module else [])])
             names.append(base)
             # A name imported from a package may be one of its modules.

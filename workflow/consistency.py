@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
-from sidmacib.contact_points.options import REDUCTIONS
+from sidmacib.contact_points import REDUCTIONS
 from sidmacib.engines import ENGINES
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare
 from sidmacib.joint.parameters import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
@@ -14,18 +15,21 @@ from sidmacib.model import Ability, Requirement
 from sidmacib.models import LAWS, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
-from workflow.case import REFERENCE
-from workflow.schema import Study
-from workflow.schema.joint import AssemblySection, PartSection, Pieces, changed
-from workflow.schema.models import NumericsSection
-from workflow.schema.study import required_sections
-from workflow.structures import structure_faults
+from workflow.case import REFERENCE, structure_case_name
+from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases, required_sections
+from workflow.schema.sections import AssemblySection, NumericsSection, PartSection, Pieces, changed
+from workflow.schema.values import NAME_LENGTH
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
     Failure.SOFTENING: (Ability.SOFTENING, "brittle or ductile"),
     Failure.DUCTILE: (Ability.DUCTILE, "brittle"),
 }
+ABLE = tuple(  # models of structures: those of rigid pieces
+    name
+    for name, model in MODELS.items()
+    if Ability.RIGID in model.abilities and (name in ENGINES or name in SOLVED)
+)
 MAX_NODES = 1_000_000  # of one case: a few GB in any model
 MAX_GEOMETRIES = 100_000  # of the calibration
 MAX_CELLS_ALONG = 1000  # a lock, in the calibration
@@ -41,8 +45,10 @@ def inconsistencies(study: Study) -> Iterator[str]:
             yield f"samples.{name}: {' '.join(str(error).split())}"
     yield from _joints(study, joints)
     yield from _lists(study)
+    layouts = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
+    densest = max(layouts, key=lambda layout: len(CELL_RULES[layout][0]))
     for key, meshes in _everywhere(study, "meshes"):
-        yield from _meshes(key, meshes, _densest(study), joints)
+        yield from _meshes(key, meshes, densest, joints)
     yield from _models(study)
     for name, sample in study.samples.items():
         yield from _models_of_sample(study, name, sample.models)
@@ -203,12 +209,6 @@ def _lists(study: Study) -> Iterator[str]:
                 seen[f"{value:g}"] = value
 
 
-def _densest(study: Study) -> NodeLayout:
-    """The layout with most nodes among those of the study and its variants."""
-    every = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
-    return max(every, key=lambda layout: len(CELL_RULES[layout][0]))
-
-
 def _meshes(
     key: str, meshes: tuple[float, ...], nodes: NodeLayout, joints: dict[str, Joint]
 ) -> Iterator[str]:
@@ -325,3 +325,76 @@ def _some(values: Iterable[object]) -> str:
     """The first of ``values`` in words."""
     words = [str(value) for value in values]
     return ", ".join(words[:5]) + (", ..." if len(words) > 5 else "") or "nothing"
+
+
+def models_of(study: Study, section: StructureSection) -> tuple[str, ...]:
+    """Those of the study's models that analyse a structure."""
+    names = section.models
+    return tuple(
+        name for name in study.model_names if name in ABLE and (names is None or name in names)
+    )
+
+
+def moves_support(description: Mapping[str, Any]) -> bool:
+    """Whether the load of a ``description`` is a support that moves."""
+    load = description.get(LOAD)
+    return isinstance(load, Mapping) and "support" in load
+
+
+def structure_faults(study: Study) -> Iterator[str]:
+    """Everything that is wrong with the structures of ``study``, one line each."""
+    for name, section in study.structures.items():
+        key = f"structures.{name}"
+        yield from _names(f"{key}.models", section.models or (), ABLE)
+        if REFERENCE in section.variants:
+            yield f"{key}.variants: the name {REFERENCE} is reserved; choose another name"
+        if section.description is None:
+            yield f"{key}: missing; give description or file"
+            continue
+        named = set(section.models or ABLE)
+        if not models_of(study, section) and named <= set(ABLE) and not named & set(ENGINES):
+            yield (
+                f"{key}.models: none of these is in the study's models; it must have "
+                f"{' or '.join(ABLE)}"
+            )
+        if all(moves_support(description) for _, _, description in section.described()):
+            allowed = "one that is not, such as {acceleration: [1, 0, 0]}, is needed beside them"
+            yield f"{key}.loads: all are supports that move; {allowed}"
+        yield from dict.fromkeys(_unreadable(key, section))
+
+
+def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
+    # Polygons take long to import.
+    from sidmacib.structure.files import structure_file  # noqa: PLC0415
+    from sidmacib.structure.files.loads import LoadSection  # noqa: PLC0415
+
+    for variant, whole in section.wholes():
+        place = f"variants.{variant}" if variant != REFERENCE else "description"
+        try:
+            if CASES in whole and not section.loads:
+                structure_file.demands_of(whole)
+                yield from _unnameable(f"{key}.{place}.{CASES}", load_cases(whole))
+                continue
+            own = {k: v for k, v in whole.items() if k not in (LOAD, CASES)}
+            assembly = structure_file.assembly_of(own)
+        except ValueError as error:
+            yield f"{key}.{place}: {_in_a_line(error)}"
+            continue
+        loads: Mapping[str, Any] = section.loads or {LOAD: whole.get(LOAD)}
+        for name, load in loads.items():
+            try:
+                beside = structure_file.permanent_of(assembly, whole)
+                LoadSection.read(load, LOAD).on(assembly, beside)
+            except ValueError as error:
+                yield f"{key}.{f'loads.{name}' if section.loads else place}: {_in_a_line(error)}"
+
+
+def _unnameable(key: str, cases: Iterable[str]) -> Iterator[str]:
+    """A fault where the names of files cannot be made of those of load ``cases``."""
+    names = [structure_case_name("", name) for name in cases]
+    if len({*names}) < len(names) or max(map(len, names)) > NAME_LENGTH:
+        yield f"{key}: names must differ in letters, digits, _ and .; at most {NAME_LENGTH} letters"
+
+
+def _in_a_line(error: ValueError) -> str:
+    return " ".join(str(error).split())

@@ -17,10 +17,9 @@ from sidmacib.mechanics.assembly import Failure
 from sidmacib.model import Ability
 from sidmacib.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.case import Case, CaseId, JointCase, JointSubject, StructureCase, case_name
-from workflow.cases import cases_of, second_mesh
+from workflow.cases import cases_of, second_mesh, structure_cases
 from workflow.consistency import node_estimate
 from workflow.schema import Study
-from workflow.structures import structure_cases
 from workflow.threedec import RETURNED as PRINTED
 from workflow.threedec import deck_folder, decks
 

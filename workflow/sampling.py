@@ -1,58 +1,43 @@
 """Samplings: joints that fill spans of their parameters evenly, by a seeded Sobol sequence.
 
+A job solves a batch of them in all directions, on two meshes; another joins the batches into a
+table: one row for each joint and direction, loads over T0.
+
 Any part of a sampling can be made alone, so batches do not depend on each other. Sizes are relative
 to the width b of a lock, stiffnesses to the normal stiffness of inner faces, pressures to the
 cohesion: first failures over T0 depend on nothing else except the weight, which is small.
 """
 
-import importlib
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import product
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from scipy.stats import qmc
 
-from sidmacib.joint.joint import HoldDown, Joint, UpperBody
-from sidmacib.joint.loading import Push
+from sidmacib.errors import CapacityError, ResultError
+from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import with_parameters
-from sidmacib.mechanics.assembly import Elastic, Failure
-from sidmacib.quantities import Count, Number, Part, Span
+from sidmacib.mechanics.assembly import Elastic, Failure, NodeLayout
+from sidmacib.models import limit, static
 from sidmacib.validation import dataclass_from
+from workflow.case import REFERENCE, Case, JointSubject, case_name
+from workflow.results.joint_part import JointRecord
+from workflow.results.tables import SAMPLINGS, write_table
+from workflow.schema.sections import SamplingSection
+from workflow.solve import solved
+from workflow.step import Arguments, FileLists, Files, step
 
 Limits = tuple[float, float]
-Ratios = Annotated[Limits, Span(Number(above=0))]
 DIMENSIONS = 13
 POISSON = 0.2
-
-
-@dataclass(frozen=True)
-class Sampling:
-    """Spans of the parameters of ``joints`` joints; ratios are spread evenly in their logarithm.
-
-    ``smooth``, ``one_piece``, ``pressed``: shares of the joints without friction, with an upper
-    body of one piece, and with a given pressure on top instead of the fixed plate.
-    ``stiffness_ratio``: E / (Kn b) of elastic pieces; None: rigid pieces. ``energy_ratio``: of
-    bonds that soften, fracture energy over the energy stored at failure, tau_k^2 / (2 Ks). Half of
-    the joints with an even number of locks are pushed along -y.
-    """
-
-    joints: Count
-    seed: Annotated[int, Number(at_least=0, at_most=2**31, whole=True)] = 1
-    failure: Failure = Failure.BRITTLE
-    locks: Annotated[tuple[int, int], Span(Number(at_least=2, whole=True))] = (2, 31)
-    a_over_b: Ratios = (0.5, 3.0)
-    h_over_b: Ratios = (0.06, 0.6)
-    H_over_b: Ratios = (0.3, 3.0)
-    shear_over_normal: Ratios = (0.003, 3.0)
-    dry_over_inner: Ratios = (0.03, 30.0)
-    friction: Annotated[Limits, Span(Number(at_least=0))] = (0.0, 0.8)
-    pressure_over_cohesion: Ratios = (0.03, 1.0)
-    stiffness_ratio: Ratios | None = None
-    energy_ratio: Ratios = (1.0, 1000.0)
-    smooth: Part = 0.3
-    one_piece: Part = 0.5
-    pressed: Part = 0.2
+BELOW = 0.999  # of a side: a mesh must be less than the side
+# Without the spread of the static model's peaks, which would take longer than all else.
+SOLVED = {"static": static.solve_once, "limit": limit.solve}
 
 
 @dataclass(frozen=True)
@@ -65,11 +50,9 @@ class SampledJoint:
 
 
 def sampled_joints(
-    sampling: Sampling, base: Joint, start: int, stop: int
+    sampling: SamplingSection, base: Joint, start: int, stop: int
 ) -> Iterator[SampledJoint]:
     """The joints of ``sampling`` from ``start`` to before ``stop``, otherwise like ``base``."""
-    # Imported here: the import takes longer than planning a study.
-    qmc = importlib.import_module("scipy.stats.qmc")
     sequence = qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(sampling.seed))
     places = sequence.random_base2(math.ceil(math.log2(sampling.joints)))  # these are balanced
     for number in range(start, min(stop, sampling.joints)):
@@ -78,12 +61,12 @@ def sampled_joints(
 
 def joints_of(arguments: Mapping[str, Any]) -> Iterator[SampledJoint]:
     """The joints of a job's batch, from ``start`` to before ``stop``."""
-    sampling = dataclass_from(Sampling, arguments["sampling"])
+    sampling = SamplingSection.model_validate_json(arguments["sampling"])
     base = dataclass_from(Joint, arguments["base"])
     return sampled_joints(sampling, base, arguments["start"], arguments["stop"])
 
 
-def _joint(sampling: Sampling, base: Joint, number: int, place: list[float]) -> SampledJoint:
+def _joint(sampling: SamplingSection, base: Joint, number: int, place: list[float]) -> SampledJoint:
     turn = iter(place)
 
     def ratio(span: Limits) -> float:
@@ -143,7 +126,7 @@ def _between(span: Limits, place: float) -> float:
     return float(np.exp(low + place * (high - low)))
 
 
-def _energy(sampling: Sampling, base: Joint, shear: float, place: float) -> float:
+def _energy(sampling: SamplingSection, base: Joint, shear: float, place: float) -> float:
     """Fracture energy of bonds that soften, J/m2; 0 for other bonds."""
     if sampling.failure is not Failure.SOFTENING:
         return 0.0
@@ -151,9 +134,118 @@ def _energy(sampling: Sampling, base: Joint, shear: float, place: float) -> floa
     return ratio * base.inner.cohesion**2 / (2.0 * shear)
 
 
-def _elastic(sampling: Sampling, base: Joint, place: float) -> Elastic | None:
+def _elastic(sampling: SamplingSection, base: Joint, place: float) -> Elastic | None:
     """Material of elastic pieces; None: rigid pieces."""
     if sampling.stiffness_ratio is None:
         return None
     ratio = _between(sampling.stiffness_ratio, place)
     return Elastic(ratio * base.inner.normal_stiffness * base.b, POISSON)
+
+
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write the rows of a batch."""
+    asked = (arguments[key] for key in ("eccentricities", "cells", "limited"))
+    rows = pd.DataFrame(solved_rows(joints_of(arguments), *asked))
+    rows.insert(0, "sampling", arguments["name"])
+    rows.to_parquet(outputs["joints"], compression="zstd")
+
+
+def solved_rows(
+    joints: Iterable[SampledJoint],
+    eccentricities: Sequence[float],
+    cells: Sequence[int],
+    limited: int,
+) -> Iterator[dict[str, Any]]:
+    """Parameters and loads over T0 of each joint along each direction e / a.
+
+    ``cells``: numbers of cells along the shorter side of a lock, on two meshes, from which the mesh
+    error is found. Every ``limited``-th joint is solved by limit analysis too, on the coarser mesh.
+    """
+    for one, ratio in product(joints, map(float, eccentricities)):
+        row: dict[str, Any] = {**parameters(one), "eccentricity_over_a": ratio, "error": None}
+        try:
+            coarse, fine = (_record(one, ratio, count, "static") for count in cells)
+            row |= _loads(one.joint, coarse, fine)
+            if one.number % limited == 0:
+                load = _record(one, ratio, cells[0], "limit").load_N
+                row["limit"] = None if load is None else load / one.joint.T0
+        except (CapacityError, ResultError, ValueError) as error:
+            row["error"] = str(error)
+        yield row
+
+
+def parameters(one: SampledJoint) -> dict[str, Any]:
+    """The joint's parameters; ratios as in `workflow.schema.sections.SamplingSection`."""
+    joint, inner = one.joint, one.joint.inner
+    stored = inner.cohesion**2 / (2.0 * inner.shear_stiffness)
+    return {
+        "number": one.number,
+        "locks": joint.locks,
+        "push": str(one.push),
+        "upper_body": str(joint.upper_body),
+        "failure": str(joint.failure),
+        "a_over_b": joint.a / joint.b,
+        "h_over_b": joint.h / joint.b,
+        "H_over_b": joint.H / joint.b,
+        "shear_over_normal": inner.shear_stiffness / inner.normal_stiffness,
+        "dry_over_inner": joint.dry.normal_stiffness / inner.normal_stiffness,
+        "friction": joint.dry.friction,
+        "pressure_over_cohesion": joint.hold_down.amount / inner.cohesion,
+        "plate": joint.pressing_force is None,
+        "stiffness_ratio": joint.stiffness_ratio,
+        "energy_ratio": inner.fracture_energy / stored,
+    }
+
+
+def _record(one: SampledJoint, ratio: float, cells: int, model: str) -> JointRecord:
+    """The checked result of a model, on a mesh of so many cells along the shorter side."""
+    joint, mesh = one.joint, BELOW * one.joint.least_side / cells
+    name = f"d{one.number}"
+    case = Case(
+        name=case_name(name, mesh, ratio),
+        model=model,
+        variant=REFERENCE,
+        subject=JointSubject(
+            sample=name,
+            joint=joint,
+            mesh=mesh,
+            nodes=NodeLayout.LOBATTO,
+            loading=Loading(Direction(ratio), push=one.push),
+        ),
+        numerics=None,
+    )
+    return solved(case, SOLVED[model])[0]
+
+
+def _loads(joint: Joint, coarse: JointRecord, fine: JointRecord) -> dict[str, Any]:
+    """First failure and peak on the finer mesh, over T0, with their mesh errors, and weights."""
+    assert coarse.load_N and fine.load_N and fine.first_failure_load_N is not None
+    assert coarse.first_failure_load_N is not None
+    weights = [asdict(each) for each in fine.part.weights]
+    return {
+        "first_failure": fine.first_failure_load_N / joint.T0,
+        "peak": fine.load_N / joint.T0,
+        "first_failure_mesh_error": coarse.first_failure_load_N / fine.first_failure_load_N - 1.0,
+        "peak_mesh_error": coarse.load_N / fine.load_N - 1.0,
+        "mode": fine.mode,
+        "unbalanced_share": fine.unbalanced_share,
+        "weight_sum": math.fsum(each["weight"] for each in weights),
+        "lower_weight_sum": math.fsum(e["weight"] for e in weights if e["block"] == "lower"),
+    }
+
+
+def samplings_table(batches: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The rows of all ``batches``."""
+    table = pd.concat(batches, ignore_index=True).reindex(columns=SAMPLINGS.columns)
+    table["stiffness_ratio"] = table["stiffness_ratio"].replace(np.inf, np.nan)  # rigid pieces
+    return table
+
+
+def join_batches(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
+    """Put the batches of all samplings together."""
+    table = samplings_table([*map(pd.read_parquet, inputs["batches"])])
+    write_table(SAMPLINGS, table, outputs["samplings"])
+
+
+if __name__ == "__main__":
+    step(run, samplings=join_batches)

@@ -24,14 +24,13 @@ from sphinx.util.typing import ExtensionMetadata
 from sphinx.writers.html5 import HTML5Translator
 
 from sidmacib.design.file import DesignFile
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.validation import UNIONS, number_of
 from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table
-from workflow.schema import Study
-from workflow.schema.study import FILE
+from workflow.schema import FILE, Study
 
 Schema = dict[str, Any]
 FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader
@@ -238,7 +237,8 @@ def described(thing: Any) -> Iterator[tuple[str, str, str]]:
         if name in kinds:
             kind = _without_none(kinds[name])
             words = _of_joint(thing, name) or said.get(name) or _of_class(kind)
-            yield name, _type_words(kind), "; ".join(filter(None, (words, _range(kind))))
+            numbers = typing.get_args(kind)[0].__name__ if number_of(kind) else ""
+            yield name, numbers, "; ".join(filter(None, (words, _range(kind))))
 
 
 def _without_none(kind: Any) -> Any:
@@ -269,10 +269,6 @@ def _range(kind: Any) -> str:
     if inspect.isclass(kind) and issubclass(kind, StrEnum):
         return " or ".join(f"``{member}``" for member in kind)
     return ""
-
-
-def _type_words(kind: Any) -> str:
-    return typing.get_args(kind)[0].__name__ if number_of(kind) else ""
 
 
 def add(app: Sphinx, what: str, name: str, thing: Any, options: object, lines: list[str]) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from sidmacib.engines.render import ENVIRONMENT
 from sidmacib.engines.results import stress_to_force
 from sidmacib.errors import ResultError
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Assembly,
@@ -29,7 +29,7 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.problem import Outcome, Problem, State
 from workflow.case import REFERENCE, JointCase
-from workflow.results.record import record_of, record_without_result
+from workflow.results import record_of, record_without_result
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step
 

@@ -1,1 +1,266 @@
-"""The geometry and friction that fit the published numbers: `make calibrate`."""
+"""Find geometry and friction that fit the published numbers: ``make calibrate``.
+
+The static model solves a grid of joints, then engines confirm the best of them. Each step is a
+separate study in the results folder, whose configuration is written here. Figures show misfits by
+friction and geometry, and curves.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import yaml
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analysis.calibration.candidates import (
+    PEAK_AIM,
+    PEAK_SCALE,
+    WEIGHT_SCALE,
+    Trial,
+    best_rows,
+    candidate_of,
+    candidate_study,
+    candidates,
+    check,
+    curve_study,
+    curve_table,
+    describe,
+    engine_study,
+    friction_table,
+    length_along,
+    misfit_table,
+    read_as_degrees,
+    study_candidates,
+)
+from analysis.figures import style
+from analysis.published import Published, read_published
+from workflow.configuration import read_study_file
+from workflow.results.tables import CASES, WEIGHTS, read_table
+from workflow.schema import Study
+
+Snakemake = Callable[[Path, str, Sequence[str]], bool]
+MISFIT = (
+    "Misfit: root mean square of the differences of the static model in pure shear from the "
+    "published peaks of both samples at both meshes, over "
+    f"{100 * PEAK_SCALE:g} %, and from their weights, the first two swapped, over {WEIGHT_SCALE:g}."
+)
+AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a (m)"}
+
+
+def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | None:
+    """Write map, curves, figures and best joints; returns what failed, None if nothing did."""
+    study = read_study_file(config, results)
+    published = read_published()
+    locks = check(study, published)
+    place = Path(study.results, "calibration")
+    of_study = {f"own{n}": each for n, each in enumerate(study_candidates(study, published))}
+
+    def done(name: str, content: Mapping[str, Any]) -> Tables | None:
+        return run_study(place / f"{name}.yaml", content, snakemake)
+
+    every = {f"g{n:05}": each for n, each in enumerate(candidates(study, published))} | of_study
+    tables = done("map", candidate_study(study, locks, every, str(place / "map")))
+    if tables is None:
+        return "the map of joints is incomplete, see above"
+    table = misfit_table(*tables, published)
+    write(table, place / "map.csv")
+    grid = table[~table["candidate"].isin(of_study)]
+    frictions = friction_table(grid)
+    write(frictions, place / "friction.csv")
+
+    best = [candidate_of(row) for _, row in best_rows(grid).iterrows()]
+    chosen = of_study | ranked(best)
+    tables = done("curves", curve_study(study, locks, chosen, str(place / "curves")))
+    if tables is None:
+        return "the curves are incomplete, see above"
+    curves = curve_table(tables[0], tables[1])
+    write(curves, place / "curves.csv")
+    own = table[table["candidate"].isin(of_study)]
+    for name, figure in calibration(grid, own, curves, published).items():
+        paths = [Path(study.results, f"figures/{name}.{kind}") for kind in ("png", "pdf")]
+        style.save(figure, paths)
+
+    chosen = of_study | ranked(best[: study.calibration.confirmed])
+    content = engine_study(study, locks, chosen, str(place / "best"))
+    tables = done("best", content)
+    if tables is None:
+        return "the confirmation is incomplete, see above"
+    confirmed = misfit_table(*tables, published)
+    write(confirmed, Path(study.results, "tables/calibration.csv"))
+    print(describe(confirmed, frictions, published), end="")
+    return None
+
+
+Tables = tuple[Study, pd.DataFrame, pd.DataFrame]
+
+
+def ranked(best: Sequence[Trial]) -> dict[str, Trial]:
+    """Candidates by rank."""
+    return {f"rank{rank}": each for rank, each in enumerate(best, start=1)}
+
+
+def run_study(path: Path, content: Mapping[str, Any], snakemake: Snakemake) -> Tables | None:
+    """Write a configuration, run its cases, and return the study with its cases and weights."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = yaml.safe_dump(dict(content), sort_keys=False)
+    if not path.is_file() or path.read_text() != text:
+        path.write_text(text)
+    study = read_study_file(path)
+    tables = [Path(study.results, f"tables/{name}.csv") for name in ("cases", "weights")]
+    if not snakemake(path, study.results, [str(table) for table in tables]):
+        return None
+    return study, read_table(CASES, tables[0]), read_table(WEIGHTS, tables[1])
+
+
+def write(rows: pd.DataFrame, path: Path) -> None:
+    """Write a table of the calibration."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows.to_csv(path, index=False, float_format="%.10g")
+
+
+def calibration(
+    grid: pd.DataFrame, of_study: pd.DataFrame, curves: pd.DataFrame, published: Published
+) -> dict[str, Figure]:
+    """The figures by name: what the friction does, what the geometry does, and V-M curves.
+
+    ``grid``, ``of_study``: rows of `misfit_table`, of the grid and of the study's joints.
+    """
+    return {
+        "calibration_friction": frictions(grid, published),
+        "calibration_geometry": geometries(grid, of_study),
+        "calibration_curves": shapes(curves, set(of_study["candidate"])),
+    }
+
+
+def frictions(grid: pd.DataFrame, published: Published) -> Figure:
+    """The least misfit, and the closest peaks, of any geometry over the friction."""
+    figure = Figure(figsize=(8.6, 4.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    rows = friction_table(grid)
+    _friction(left, rows, "misfit_swapped", 1.0, published)
+    left.set_title("least misfit of any geometry", loc="left", fontsize=10)
+    _friction(right, rows, "least_peak_difference", 100.0, published)
+    right.axhline(100 * PEAK_AIM, color="#999999", linewidth=0.8)
+    right.set_title("closest peaks of any geometry (%)", loc="left", fontsize=10)
+    left.legend(fontsize=9, loc="upper center")
+    style.caption(
+        figure,
+        f"For each friction coefficient of the dry faces, the best of all geometries. {MISFIT} "
+        "Right: the largest difference of a published peak, whatever the weights; grey: "
+        f"{100 * PEAK_AIM:g} %. That 3DEC, whose friction is an angle, was given 0.3 degrees is a "
+        "hypothesis, not known. With the weights as printed nothing comes below "
+        f"{grid['misfit_printed'].min():.1f}.",
+        height=0.24,
+    )
+    return figure
+
+
+def geometries(grid: pd.DataFrame, of_study: pd.DataFrame) -> Figure:
+    """The misfit over both ratios, and its least value over each size."""
+    shown = grid
+    for size in ("a_m", "friction"):  # those of the grid that are nearest to the study's last joint
+        nearest = (shown[size] - of_study[size].iloc[-1]).abs().min()
+        shown = shown[np.isclose((shown[size] - of_study[size].iloc[-1]).abs(), nearest)]
+    figure = Figure(figsize=(8.6, 7.4), layout="constrained")
+    layout = figure.add_gridspec(2, 3, height_ratios=[1.6, 1.0])
+    _map(figure, figure.add_subplot(layout[0, :]), shown, of_study)
+    for number, column in enumerate(AXES):
+        _profile(figure.add_subplot(layout[1, number]), grid, of_study, column)
+    style.caption(
+        figure,
+        f"{MISFIT} Above: at friction {shown['friction'].iloc[0]:.4g}. Below: the least misfit at "
+        "each value of one size, whatever friction and the other sizes are. Crosses: the study's "
+        "joints, as printed and fitted.",
+        height=0.13,
+    )
+    return figure
+
+
+def shapes(curves: pd.DataFrame, of_study: set[str]) -> Figure:
+    """V-M curves of the best joint of each a and of the study's, scaled to their largest values."""
+    figure = Figure(figsize=(8.6, 5.4), layout="constrained")
+    panels = figure.subplots(1, curves["locks"].nunique(), squeeze=False, sharey=True)[0]
+    for axes, (locks, rows) in zip(panels, curves.groupby("locks"), strict=True):
+        _curves(axes, rows, int(str(locks)), of_study)
+    panels[0].set_ylabel("M / largest M")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=9, ncols=2, loc="outside upper center")
+    style.caption(
+        figure,
+        "V-M curves of the static model: the best joint of each a, and the study's (thick). "
+        "Squares: where the closest two straight parts meet; the paper describes two straight "
+        "parts that meet at about two thirds of the curve.",
+        height=0.13,
+    )
+    return figure
+
+
+def _friction(
+    axes: Axes, rows: pd.DataFrame, column: str, factor: float, published: Published
+) -> None:
+    """A value over the friction coefficient, with the printed one and the hypothetical marked."""
+    axes.plot(rows["friction"], factor * rows[column], "o-", color=style.COLOURS[0], markersize=4)
+    printed, degrees = published.numbers["sample"]["friction"], read_as_degrees(published)
+    for friction, words, colour in (
+        (printed, f"{printed:g}, as printed", style.COLOURS[5]),
+        (degrees, f"tan {printed:g}° (hypothesis)", style.COLOURS[2]),
+    ):
+        axes.axvline(friction, color=colour, linewidth=1.2, linestyle="--", label=words)
+    axes.set_xscale("symlog", linthresh=0.01, linscale=0.6)
+    axes.set_xlim(-0.0005, 1.15 * rows["friction"].max())
+    axes.set_xticks([0, 0.005, 0.01, 0.03, 0.1, 0.3], ["0", ".005", ".01", ".03", ".1", ".3"])
+    axes.set_ylim(0.0, 1.08 * factor * rows[column].max())
+    axes.set_xlabel("friction coefficient of the dry faces")
+
+
+def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, of_study: pd.DataFrame) -> None:
+    values = shown.pivot(index="height_over_b", columns="height_share", values="misfit_swapped")
+    if min(values.shape) > 1:
+        least = float(np.floor(10 * values.min(axis=None)) / 10)
+        filled = axes.contourf(
+            *(values.columns, values.index, values),
+            levels=np.linspace(least, least + 3.0, 11),
+            cmap="viridis_r",
+            extend="both",
+        )
+        figure.colorbar(filled, ax=axes, label="misfit")
+    places = of_study["height_share"], of_study["height_over_b"]
+    axes.plot(*places, "X", color="white", markeredgecolor="k", clip_on=False)
+    axes.set_xlabel(AXES["height_share"])
+    axes.set_ylabel(AXES["height_over_b"])
+    first = shown.iloc[0]
+    title = f"misfit, a = {first['a_m']:g} m, friction {first['friction']:.4g}"
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.grid(visible=False)
+
+
+def _profile(axes: Axes, grid: pd.DataFrame, of_study: pd.DataFrame, column: str) -> None:
+    least = grid.groupby(column)["misfit_swapped"].min()
+    axes.plot(least.index, least, "o-", color=style.COLOURS[0], markersize=3)
+    axes.plot(of_study[column], of_study["misfit_swapped"], "X", color=style.COLOURS[6])
+    axes.set_ylim(0.0, 1.1 * max(least.max(), of_study["misfit_swapped"].max()))
+    axes.set_xlabel(AXES[column])
+    if column == "height_share":
+        axes.set_title("least misfit", loc="left", fontsize=10)
+    else:
+        axes.set_yticklabels([])
+
+
+def _curves(axes: Axes, rows: pd.DataFrame, locks: int, of_study: set[str]) -> None:
+    for number, (name, curve) in enumerate(rows.groupby("candidate", sort=False)):
+        first, in_study = curve.iloc[0], str(name) in of_study
+        scaled = curve[["shear_N", "torque_Nm"]] / curve[["shear_N", "torque_Nm"]].max()
+        x, y = scaled.to_numpy().T
+        length = length_along(scaled.to_numpy())
+        turn = first["turn_from_shear"] * length[-1]
+        colour = style.COLOURS[number % len(style.COLOURS)]
+        label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
+        marked = ", the study's" if in_study else ""
+        axes.plot(x, y, color=colour, linewidth=2.4 if in_study else 1.0, label=f"{label}{marked}")
+        corner = np.interp(turn, length, x), np.interp(turn, length, y)
+        axes.plot(*corner, "s", color=colour, markersize=5)
+    axes.set_xlabel("V / largest V")
+    axes.set_title(f"{locks} locks", loc="left", fontsize=10)

@@ -21,13 +21,13 @@ import numpy as np
 import pandas as pd
 
 from analysis.published import Published
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.model import Ability
 from sidmacib.models import MODELS
 from workflow.configuration import ConfigError
 from workflow.schema import Study
-from workflow.schema.joint import GeometrySection as Geometry
+from workflow.schema.sections import GeometrySection as Geometry
 
 # Of a peak: published ones of a sample differ by 0.03 and 0.55 % between the meshes.
 PEAK_SCALE = 0.005

@@ -17,7 +17,7 @@ from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, Not
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.explore.examples import (
     EXAMPLES,
     STRUCTURE_MODELS,

@@ -10,20 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from analysis.drawing.boxes import boxes
-from analysis.drawing.labels import label_of
+from analysis.drawing import boxes, label_of
 from analysis.explore.state import SLIDERS, Settings
 from sidmacib.answers.joint import joint_answer, meshes, quick_path
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS
 from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
-from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
-from sidmacib.joint.weights import lock_weights
+from sidmacib.joint.pieces import lock_weights
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.rule.law import RULES, LawCapacity, first_failure, law, require_covered
+from sidmacib.rule import RULES, LawCapacity, first_failure, law, require_covered
 
 SYMBOLS = {"law": "x", "safe": "star"}
 MOST_VALUES = 41  # of a slider, that are tried

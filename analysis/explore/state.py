@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
-from sidmacib.joint.joint import INNER, HoldDown, Joint, UpperBody
+from sidmacib.joint import INNER, HoldDown, Joint, UpperBody
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_parameters
 
 FIRST = Joint(5)

@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
-from analysis.report.json_values import json_value
+from analysis.report import json_value
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.answers.structure_words import answer_words
 from sidmacib.errors import CapacityError, ResultError
@@ -20,7 +20,7 @@ from sidmacib.scene.sections import forces_of
 from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
-from workflow.results.record import record_of, record_without_result
+from workflow.results import record_of, record_without_result
 from workflow.results.structure_part import StructureRecord
 
 KEPT = 64  # structures that are not computed again

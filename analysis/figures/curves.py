@@ -9,10 +9,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.drawing.labels import PUBLISHED, label_of, option_colour, option_name, rule_name
-from analysis.figures import style
-from analysis.figures.catalogue import REVISED, shown_samples
-from analysis.figures.material import FigureData
+from analysis.drawing import PUBLISHED, label_of, option_colour, option_name, rule_name
+from analysis.figures import REVISED, shown_samples, style
+from analysis.figures.style import FigureData
 from sidmacib.drawing import GREY, vm_axes, vm_curve
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE

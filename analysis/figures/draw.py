@@ -6,10 +6,9 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from analysis.figures import curves, joint, models, style
-from analysis.figures.catalogue import FigureSpec, figures_of
-from analysis.figures.material import FigureData, Stresses
-from workflow.results.record import BATCH_NODES, read_records
+from analysis.figures import FigureSpec, curves, figures_of, joint, models, style
+from analysis.figures.style import FigureData, Stresses
+from workflow.results import BATCH_NODES, read_records
 from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step

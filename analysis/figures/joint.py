@@ -10,18 +10,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
-from analysis.drawing.boxes import MM, boxes
-from analysis.drawing.labels import label_of
+from analysis.drawing import MM, boxes, label_of
 from analysis.figures import style
-from analysis.figures.material import FigureData, Stresses
+from analysis.figures.style import FigureData, Stresses
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Rectangle as FaceRectangle
 
 X, Y, Z = range(3)
 TEXT = 8.0  # points, of all that is written in a map
+MOST_ARROWS = 5  # along each side of a face
 
 
 def joint(material: FigureData) -> Figure:
@@ -133,7 +133,9 @@ def stress_map(material: FigureData) -> Figure:
     """The inner faces of all locks in the case whose stresses the figure shows."""
     shown = material.stresses
     if shown is None:
-        return _without_result(material)
+        case = material.spec.case
+        assert case is not None, f"{material.spec.name} shows no case"
+        return style.words_only(f"{case.name} ({case.model}) has no result; see the summary.")
     case, subject, found = shown.case, shown.case.subject, shown.record.part
     joint, mesh = subject.joint, MM * subject.mesh
     eccentricity = subject.direction.eccentricity
@@ -174,12 +176,6 @@ def stress_map(material: FigureData) -> Figure:
         height=0.27,
     )
     return figure
-
-
-def _without_result(material: FigureData) -> Figure:
-    case = material.spec.case
-    name = f"{case.name} ({case.model})" if case else material.spec.name
-    return style.words_only(f"{name} has no result; see the summary.")
 
 
 def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
@@ -233,13 +229,13 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     return cells
 
 
-def _thinned(nodes: pd.DataFrame, most: int = 5) -> pd.DataFrame:
-    """At most ``most`` by ``most`` of a face's nodes, evenly spread."""
+def _thinned(nodes: pd.DataFrame) -> pd.DataFrame:
+    """At most `MOST_ARROWS` by as many of a face's nodes, evenly spread."""
     chosen = np.ones(len(nodes), dtype=bool)
     for axis in ("x_m", "y_m"):
         _, rank = np.unique(nodes[axis].round(12), return_inverse=True)
         count = int(rank.max()) + 1
-        step = -(-count // most)
+        step = -(-count // MOST_ARROWS)
         chosen &= (rank - (count - 1) % step // 2) % step == 0
     return nodes[chosen]
 

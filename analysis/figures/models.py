@@ -9,17 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.drawing.labels import label_of
-from analysis.figures import style
-from analysis.figures.catalogue import shown_samples
+from analysis.drawing import label_of
+from analysis.figures import shown_samples, style
 from analysis.figures.curves import model_curve, published_point, rule_curve
-from analysis.figures.material import FigureData
+from analysis.figures.style import FigureData
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import UpperBody
-from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.joint import UpperBody
+from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import LAWS, REFERENCE_MODEL
 from workflow.case import REFERENCE
 from workflow.cases import cases_of
@@ -209,7 +207,11 @@ def stiffness(material: FigureData) -> Figure:
     shares.set_ylim(0.0, 1.05)
     for axes in (loads, weights, shares):
         if axes.axison:
-            _stiffness_axis(axes, sorted(set(rows["stiffness_ratio"].dropna())), stiffest)
+            ratios = sorted(set(rows["stiffness_ratio"].dropna()))
+            axes.set_xscale("log")
+            axes.set_xticks([*ratios, RIGID * stiffest], [*(f"{r:g}" for r in ratios), "rigid"])
+            axes.set_xticks([], minor=True)
+            axes.set_xlabel("E / (Kn b)")
     _key(figure, rows)
     style.caption(
         figure,
@@ -278,13 +280,6 @@ def _curves(rows: pd.DataFrame) -> Iterator[tuple[tuple[str, UpperBody], str]]:
     for sample, colour in zip(samples, style.COLOURS * 3, strict=False):
         for body in BODIES:
             yield (sample, body), colour
-
-
-def _stiffness_axis(axes: Axes, ratios: list[float], stiffest: float) -> None:
-    axes.set_xscale("log")
-    axes.set_xticks([*ratios, RIGID * stiffest], [*(f"{r:g}" for r in ratios), "rigid"])
-    axes.set_xticks([], minor=True)
-    axes.set_xlabel("E / (Kn b)")
 
 
 def _key(figure: Figure, rows: pd.DataFrame) -> None:

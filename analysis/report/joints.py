@@ -5,18 +5,17 @@ drawn from the tables, and a few load paths of the static model.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import pandas as pd
 
-from analysis.drawing.labels import label_of, option_colour, option_name, rule_name
-from analysis.drawing.sketch import sketch
-from analysis.report.json_values import finding, json_value
+from analysis.drawing import label_of, option_colour, option_name, rule_name, sketch
+from analysis.published import read_published
+from analysis.report import finding, json_value
 from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.report.provenance import sample_words, sizes_of
-from analysis.summary.answers import (
+from analysis.summary import (
     PEAK_ACCURACY,
     Question,
     RuleError,
@@ -29,8 +28,8 @@ from analysis.summary.answers import (
 )
 from analysis.summary.summary import AGREEMENT, leading_models
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.rule.law import RULES
+from sidmacib.joint import Direction, Joint
+from sidmacib.rule import RULES
 from sidmacib.rule.pairs import pairs_of
 from workflow.cases import cases_of
 from workflow.schema import Study
@@ -41,6 +40,15 @@ PEAK = "dem_pure_shear_N"
 NEAR = 0.005  # of a published number
 LEAST_SHOWN = 5e-5  # share that two digits of a percentage show
 NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
+MILLI = 1e3  # of a m
+FEATURES: tuple[tuple[str, float, Callable[[Joint], float]], ...] = (
+    ("friction", 1.0, lambda joint: joint.dry.friction),
+    ("a (mm)", MILLI, lambda joint: joint.a),
+    ("b (mm)", MILLI, lambda joint: joint.b),
+    ("h (mm)", MILLI, lambda joint: joint.h),
+    ("H (mm)", MILLI, lambda joint: joint.H),
+    ("T0 (N)", 1.0, lambda joint: joint.T0),
+)
 
 
 def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
@@ -205,19 +213,16 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
     spread = capacity["peak_spread"].dropna()
     if spread.empty:
         return []
+    largest = spread.max()
+    most = f"at most {100 * largest:.2f} %" if largest >= LEAST_SHOWN else "less than 0.005 %"
     return [
         {
             "title": "Uniqueness of the static peak",
-            "text": f"Peaks found from several starting points differ by {_at_most(spread.max())}. "
+            "text": f"Peaks found from several starting points differ by {most}. "
             "The lowest one is reported.",
-            "kind": "good" if spread.max() < AGREEMENT else "note",
+            "kind": "good" if largest < AGREEMENT else "note",
         }
     ]
-
-
-def _at_most(share: float) -> str:
-    """A largest share in words, also where it is rounded to nothing."""
-    return f"at most {100 * share:.2f} %" if share >= LEAST_SHOWN else "less than 0.005 %"
 
 
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
@@ -238,3 +243,31 @@ def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
         "pieces": {name: pieces_of(case) for name, case in samples.items()},
         "law": {name: law_of(study.joint(name)) for name in study.interlocking},
     }
+
+
+def sizes_of(study: Study) -> list[dict[str, Any]]:
+    """Sizes of each sample for the page's script, in SI units."""
+    joints = {name: study.joint(name) for name in study.samples}
+    return [
+        {
+            **{"sample": name, "locks": joint.locks, "a_m": joint.a, "b_m": joint.b},
+            "T0_N": float(f"{joint.T0:.6g}"),
+            "friction": joint.dry.friction,
+        }
+        for name, joint in joints.items()
+    ]
+
+
+def sample_words(study: Study) -> dict[str, str]:
+    """Each sample in a few words: its locks, and of its sizes those that tell it from others."""
+    joints = {name: study.joint(name) for name in study.samples}
+    words = {name: f"{joint.locks} locks" for name, joint in joints.items()}
+    published = read_published()
+    for title, factor, read in FEATURES:
+        values = {name: read(joint) for name, joint in joints.items()}
+        if len(set(words.values())) < len(words) and len(set(values.values())) > 1:
+            words = {n: f"{words[n]}, {title} {factor * values[n]:.4g}" for n in words}
+            if title == "friction":
+                printed = [n for n in published.samples(study) if published.as_printed(study, n)]
+                words |= {name: f"{words[name]} as printed" for name in printed}
+    return {name: f"{name}: {told}" for name, told in words.items()}

@@ -4,19 +4,25 @@ The data are those of joints, of structures, and what both have in common.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+import platform
+import subprocess
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
+from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import yaml
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
-from analysis.drawing.labels import SERIES, label_of
+from analysis.drawing import SERIES, label_of
+from analysis.published import read_published
+from analysis.report import headings, json_table, words
 from analysis.report.joints import answer_content, joints_content, joints_verdict
-from analysis.report.json_values import headings, json_table, words
-from analysis.report.provenance import as_yaml, provenance
 from analysis.report.structures import (
     structures_content,
     structures_verdict,
@@ -26,14 +32,16 @@ from analysis.report.structures import (
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
 from workflow.case import StructureCase
+from workflow.results import read_times
 from workflow.results import tables as forms
-from workflow.results.record import read_times
 from workflow.results.tables import read_table
 from workflow.schema import Study
 from workflow.step import Arguments, Files, step
 
+CHECKOUT = Path(__file__).parents[2]
+PACKAGES = ("numpy", "scipy", "cvxpy", "pandas", "plotly", "snakemake")
 HERE = Path(__file__).parent
-DRAWING = HERE.parents[1] / "sidmacib/scene"  # shared with the explorer and the command
+DRAWING = CHECKOUT / "sidmacib/scene"  # shared with the explorer and the command
 SCRIPTS = (DRAWING / "chart.js", DRAWING / "parts.js", HERE / "report.js")
 SCRIPTS_OF_PARTS = {  # each part has a template, too
     "joints": (HERE / "joints.js", HERE / "paths.js"),
@@ -161,6 +169,92 @@ def times_of(results: Path) -> list[list[Any]]:
         [str(kind), len(rows), *(round(float(rows[each].sum()), 1) for each in ("wall", "cpu"))]
         for kind, rows in times.groupby("kind", sort=False)
     ]
+
+
+def size_table(study: Study) -> dict[str, Any]:
+    """Sizes and materials of each sample as a table to be read: ``columns`` and ``rows``."""
+    columns = (
+        *("joint", "locks", "a (mm)", "b (mm)", "h (mm)", "H (mm)", "T0 (N)"),
+        *("cohesion (kPa)", "tensile strength (kPa)"),
+    )
+    rows = []
+    for name in study.samples:
+        joint = study.joint(name)
+        lengths = [1e3 * length for length in (joint.a, joint.b, joint.h, joint.H)]
+        strengths = [1e-3 * s for s in (joint.inner.cohesion, joint.inner.tensile_strength)]
+        faces = (joint.inner, joint.dry)
+        stiffnesses = [1e-9 * k for f in faces for k in (f.normal_stiffness, f.shear_stiffness)]
+        numbers = [joint.locks, *lengths, joint.T0, *strengths, *stiffnesses, joint.dry.friction]
+        rows.append([name, *(f"{number:.4g}" for number in numbers)])
+    stiffness = [f"{k}, {face} faces (N/mm³)" for face in ("inner", "dry") for k in ("Kn", "Ks")]
+    more = (*stiffness, "friction of dry faces")
+    return {"columns": [*columns, *more], "rows": rows}
+
+
+def versions_of(tables: Mapping[str, pd.DataFrame]) -> list[tuple[str, str]]:
+    """Versions of the program, of engines by the records of cases, of Python and its packages."""
+    project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
+    return [
+        (project["name"], f"{project['version']}{commit()}"),
+        *_engines(tables),
+        ("Python", platform.python_version()),
+        *((package, version(package)) for package in PACKAGES),
+    ]
+
+
+def commit() -> str:
+    """The commit of this checkout, and whether files differ from it; empty without Git."""
+    if not (CHECKOUT / ".git").exists():  # a folder above may be another project's
+        return ""
+    command = ("git", "-C", str(CHECKOUT), "describe", "--always", "--dirty=, changed since")
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return f", commit {found.stdout.strip()}"
+
+
+def _engines(tables: Mapping[str, pd.DataFrame]) -> Iterator[tuple[str, str]]:
+    """Names and versions of the engines that cases of these tables were run with."""
+    told = [tables[name]["versions"].dropna() for name in ("cases", "structures") if name in tables]
+    texts = {text for column in told for text in column if text}
+    for text in sorted(part.strip() for each in texts for part in str(each).split(",")):
+        name, _, number = text.partition(" ")
+        if name in ENGINES:
+            yield ENGINES[name].label, number
+
+
+def provenance(study: Study | None, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
+    """Sizes, versions, and the paper with its DOI, each None if there are none; for the page."""
+    published = read_published()
+    paper, doi = None, None
+    if study is not None and published.samples(study):
+        paper, _, doi = str(published.numbers["source"]).partition(", doi:")
+    return {
+        "sizes": None if study is None else size_table(study),
+        "versions": versions_of(tables),
+        "date": f"{datetime.now(UTC):%Y-%m-%d}",
+        "source": paper,
+        "doi": doi,
+    }
+
+
+def as_yaml(configuration: Mapping[str, Any]) -> str:
+    """The ``configuration`` as YAML that a study can be started with, without what has no value."""
+    samples = {
+        name: {key: value for key, value in sample.items() if value != {}}
+        for name, sample in _known(configuration.get("samples", {})).items()
+    }
+    whole = _known(configuration) | {"samples": samples}
+    text = yaml.safe_dump(whole, sort_keys=False, allow_unicode=True, width=100)
+    return "# A study of multilock, with all defaults.\n" + text
+
+
+def _known(value: Any) -> Any:
+    """Nested values without those that are None."""
+    if isinstance(value, Mapping):
+        return {key: _known(each) for key, each in value.items() if each is not None}
+    return value
 
 
 if __name__ == "__main__":

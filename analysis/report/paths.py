@@ -8,13 +8,12 @@ import numpy as np
 
 from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import Problem
 from workflow.case import REFERENCE, JointCase

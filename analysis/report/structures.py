@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.drawing.labels import label_of
-from analysis.report.json_values import finding
+from analysis.drawing import label_of
+from analysis.report import finding
 from analysis.summary.structures import first_failure, peak, verdict_lines
 from analysis.summary.summary import AGREEMENT
 from sidmacib.mechanics.assembly import Assembly

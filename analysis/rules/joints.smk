@@ -1,5 +1,5 @@
 # Joints: tables from the results of the cases, figures and summary; check that every case has a result.
-from analysis.figures.catalogue import drawn_files, figures_of
+from analysis.figures import drawn_files, figures_of
 
 PUBLISHED = ("analysis/published.yaml",)
 

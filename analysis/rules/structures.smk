@@ -1,5 +1,5 @@
 # Included if the study has structures: their tables, files for ParaView and summary.
-from workflow.structures import support_cases
+from workflow.cases import support_cases
 
 DEMANDED = any(case.subject.demands for case in JOBS.structures.values())
 
@@ -58,11 +58,11 @@ rule supports:
             [each.structure, each.load, each.description, variant]
             for each, variant in MOVING_SUPPORTS
         ],
-        code=code("analysis.tables.supports", StructureSubject.modules),
+        code=code("analysis.tables.structures", StructureSubject.modules),
     message:
         "Move the supports of structures"
     script:
-        "../tables/supports.py"
+        "../tables/structures.py"
 
 
 rule structure_summary:

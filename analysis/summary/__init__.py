@@ -1,1 +1,345 @@
-"""A study or a case in words, and whether the study is complete."""
+"""The first lines of a study's summary: common questions, each with an answer in one line.
+
+How far each rule for the capacity of a joint is unsafe at most, and where, is found here too.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from analysis.drawing import label_of, option_name, rule_name
+from analysis.tables import winner
+from sidmacib.engines import ENGINES
+from workflow.case import REFERENCE
+
+# Smaller errors count as none: the distinct elements' peaks are not known more accurately.
+PEAK_ACCURACY = 0.0025
+OTHERS = ("limit", "law", "safe")  # models that are rules too: a load without a path to the peak
+MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
+AS_PRINTED = "as printed"  # the setting of samples with the friction that the paper prints
+DESIGN = "safe"  # the model whose loads are for design
+SHOWN = 6  # samples in one answer
+
+
+@dataclass(frozen=True)
+class RuleError:
+    """The largest error of a rule over a sample's directions: promised over carried load, less 1.
+
+    ``rule``: a reduction of SiDMACIB, or the name of a model. ``error``: negative where the rule
+    promises less in every direction. ``ratio``: the direction, e / a. ``mesh_error``: of the load
+    carried there. ``option``: the safest option of SiDMACIB for the sample; None for a model.
+    ``friction``: whether it acts along the locks.
+    """
+
+    rule: str
+    error: float
+    sample: str
+    ratio: float
+    mesh_error: float
+    option: str | None = None
+    friction: bool = False
+
+    @property
+    def safe(self) -> bool:
+        """Whether the rule promises no more than is carried, as far as that is known."""
+        return self.error <= PEAK_ACCURACY
+
+    @property
+    def name(self) -> str:
+        """The rule in words."""
+        return label_of(self.rule).name if self.option is None else rule_name(self.rule)
+
+    @property
+    def option_words(self) -> str:
+        """The option of SiDMACIB in words; empty for a model."""
+        if self.option is None:
+            return ""
+        return option_name(self.option) + (" with friction" if self.friction else "")
+
+
+def rule_errors(
+    tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
+) -> list[RuleError]:
+    """Each rule's error for each sample, rule by rule, against the sample's ``leading`` model.
+
+    ``tables``: fit, capacity and cases. ``mesh``: the one that is compared at (m).
+    """
+    capacity = tables["capacity"]
+    ratio = ratios(tables["cases"])
+    fit = tables["fit"]
+    at_mesh = fit[np.isclose(fit["mesh_m"], mesh)]
+    found = []
+    for reduction in fit["reduction"].unique():
+        for row in safest(at_mesh, leading, reduction):
+            error, case, mesh_error = least_safe(capacity, row)
+            place = row["sample"], ratio[case], mesh_error
+            found.append(RuleError(reduction, error, *place, row["option"], bool(row["friction"])))
+    for model in OTHERS:
+        found += _of_model(model, capacity[np.isclose(capacity["mesh_m"], mesh)], leading, ratio)
+    return found
+
+
+def worst_of(errors: Sequence[RuleError]) -> list[RuleError]:
+    """The sample with the largest error for each rule, the rules in their order."""
+    rules = dict.fromkeys(error.rule for error in errors)
+    return [
+        max((error for error in errors if error.rule == rule), key=lambda error: error.error)
+        for rule in rules
+    ]
+
+
+def safest(fit: pd.DataFrame, leading: Mapping[str, str], reduction: str) -> Iterator[pd.Series]:
+    """The best safe row of each sample by ``reduction``, else the least unsafe."""
+    rows = fit[fit["reduction"].eq(reduction) & fit["model"].eq(fit["sample"].map(leading))]
+    for sample in rows["sample"].unique():
+        sample_rows = rows[rows["sample"] == sample]
+        safe = sample_rows[sample_rows["largest_unsafe_error"] <= PEAK_ACCURACY]
+        by = "largest_unsafe_error" if safe.empty else "misfit"
+        yield (sample_rows if safe.empty else safe).sort_values(by, kind="stable").iloc[0]
+
+
+def least_safe(capacity: pd.DataFrame, row: pd.Series) -> tuple[float, str, float]:
+    """The largest error of a row of fits, the case that has it, and the mesh error there."""
+    same = capacity[capacity["sample"].eq(row["sample"])]
+    same = same[np.isclose(same["mesh_m"], row["mesh_m"])]
+    carried = same[same["model"].eq(row["model"]) & same["variant"].eq(REFERENCE)]
+    promised = same[
+        same["weights_from"].eq(row["model"])
+        & same["reduction"].eq(row["reduction"])
+        & same["option"].eq(row["option"])
+        & same["friction"].eq(row["friction"])
+    ]
+    return _largest(promised, carried)
+
+
+def _of_model(
+    model: str, capacity: pd.DataFrame, leading: Mapping[str, str], ratio: Mapping[str, float]
+) -> Iterator[RuleError]:
+    """The error of a model for each sample where it is not the leading one."""
+    here = capacity[capacity["variant"].eq(REFERENCE)]
+    for sample, first in leading.items():
+        sample_rows = here[here["sample"].eq(sample)].dropna(subset=["load_N"])
+        promised, carried = (
+            sample_rows[sample_rows["model"].eq(model)],
+            sample_rows[sample_rows["model"].eq(first)],
+        )
+        if first == model or not set(promised["case"]) & set(carried["case"]):
+            continue
+        error, case, mesh_error = _largest(promised, carried)
+        yield RuleError(model, error, sample, ratio[case], mesh_error)
+
+
+def _largest(promised: pd.DataFrame, carried: pd.DataFrame) -> tuple[float, str, float]:
+    by_case = carried.set_index("case")
+    error = (promised.set_index("case")["load_N"] / by_case["load_N"] - 1.0).dropna()
+    case = str(error.idxmax())
+    return float(error.max()), case, float(by_case["mesh_error"][case])
+
+
+def direction_words(ratio: float) -> str:
+    """A direction in words."""
+    if math.isinf(ratio):
+        return "torsion"
+    return f"e/a = {ratio:g}" if ratio else "pure shear"
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question, and its answer in a few words.
+
+    ``by_sample``: the answer for each sample, by its name, on a line below where there are words
+    for all of them. ``column``: what these answers are in a table of samples.
+    """
+
+    question: str
+    answer: str = ""
+    by_sample: Mapping[str, str] = field(default_factory=dict)
+    column: str = ""
+
+    @property
+    def lines(self) -> Iterator[str]:
+        """The answer as lines of text."""
+        parts = listed(f"{sample} {words}" for sample, words in self.by_sample.items())
+        yield f"{self.question} {self.answer or parts}"
+        if self.answer and parts:
+            yield f"  {parts}"
+
+
+def answers(
+    tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
+) -> Iterator[Question]:
+    """The answers, at the finest ``mesh`` (m); ``leading``: see the summary."""
+    yield from _half(tables, leading, mesh)
+    yield from _locks(tables["best_fit"], leading, mesh)
+    yield from _design(tables["capacity"], ratios(tables["cases"]))
+    yield from _option(tables["fit"], leading, mesh)
+    yield from _published(tables["validation"], leading, mesh)
+    yield from _engines(tables["cases"])
+    yield from _mesh(tables["capacity"], mesh)
+
+
+def ratios(cases: pd.DataFrame) -> dict[str, float]:
+    """The ratio e / a of each direction of loading, by case; infinite for torsion."""
+    selected = cases.drop_duplicates("case")
+    return dict(zip(selected["case"], selected["eccentricity_over_a"], strict=True))
+
+
+def percent(share: float) -> str:
+    """A share as a percentage."""
+    return f"{100 * share:.1f} %"
+
+
+def listed(words: Iterable[str]) -> str:
+    """The first of some clauses, and how many more there are."""
+    every = list(words)
+    more = f"; {len(every) - SHOWN} more below" if len(every) > SHOWN else ""
+    return "; ".join(every[:SHOWN]) + more
+
+
+def _half(
+    tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
+) -> Iterator[Question]:
+    """Whether (n - 1) / 2 locks may be counted, with any option, and where not."""
+    errors = [each for each in rule_errors(tables, leading, mesh) if each.rule == "half"]
+    if not errors:
+        return
+    worst = worst_by_friction(errors, tables["validation"])
+    unsafe = [
+        f"{percent(error.error)}{words} ({error.sample}, {direction_words(error.ratio)})"
+        for words, error in worst.items()
+        if not error.safe
+    ]
+    yield Question(
+        "Is it safe to count (n - 1) / 2 of the n locks of a joint?",
+        f"No: unsafe by {' and by '.join(unsafe)}" if unsafe else "Yes, for these joints",
+        {error.sample: _verdict(error) for error in errors},
+        "(n - 1) / 2 locks",
+    )
+
+
+def worst_by_friction(
+    errors: Sequence[RuleError], validation: pd.DataFrame
+) -> dict[str, RuleError]:
+    """The largest of one rule's ``errors``, by what is said of the friction of its sample.
+
+    Where the study has the paper's samples with the friction as printed: of these first, and then
+    of the other ones if it is larger. Elsewhere of all, of which nothing is said.
+    """
+    as_printed = set(validation.loc[validation["setting"].eq(AS_PRINTED), "sample"])
+    printed = [error for error in errors if error.sample in as_printed]
+    others = [error for error in errors if error.sample not in as_printed]
+    if not (printed and others):
+        return {"": worst_of(errors)[0]}
+    (first,), (other,) = worst_of(printed), worst_of(others)
+    found = {" with the friction as printed": first}
+    return found | ({" with another friction": other} if other.error > first.error else {})
+
+
+def _verdict(error: RuleError) -> str:
+    verdict = "safe" if error.safe else f"unsafe by {percent(error.error)}"
+    return f"{verdict} ({option_name(str(error.option))})"
+
+
+def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
+    """The number of locks that fits best, which need not be whole."""
+    selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
+    selected = selected[selected["model"] == selected["sample"].map(leading)]
+    if len(selected):
+        parts = {row.sample: f"{row.locks_that_count:.2f}" for row in selected.itertuples()}
+        question = "How many locks, each at full strength, fit the detailed model best?"
+        yield Question(question, by_sample=parts, column="best-fit number of locks")
+
+
+def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Question]:
+    """Design loads in the first and the last direction of each sample."""
+    safe = capacity[(capacity["model"] == DESIGN) & capacity["case"].isin(ratio)]
+    if safe.empty:
+        return
+    parts = {}
+    safe = safe.assign(ratio=safe["case"].map(ratio)).sort_values("ratio", kind="stable")
+    safe = safe.drop_duplicates(["sample", "ratio"])  # it is the same at all meshes
+    for sample in capacity["sample"].unique():
+        rows = safe[safe["sample"] == sample]
+        if rows.empty:
+            continue
+        ends = rows.iloc[[0, -1] if len(rows) > 1 else [0]]
+        if ends["load_N"].isna().all():
+            parts[sample] = "no answer, see below"
+            continue
+        parts[sample] = ", ".join(map(_at, ends.itertuples()))
+    yield Question(
+        "What is the safe load?",
+        "By the safe rule, V (N) or M (N m); other directions below:",
+        parts,
+        "safe load, V (N) or M (N m)",
+    )
+
+
+def _at(row: object) -> str:
+    """V of a row in pure shear, M in torsion, both in between; with the direction."""
+    ratio, shear, torque = (float(getattr(row, key)) for key in ("ratio", "shear_N", "torque_Nm"))
+    if math.isnan(shear):
+        loads = "no answer"
+    elif math.isinf(ratio):
+        loads = f"M {torque:.4g}"
+    else:
+        loads = f"V {shear:.4g}" + (f" M {torque:.4g}" if ratio else "")
+    return f"{loads} at {direction_words(ratio)}" if ratio and math.isfinite(ratio) else loads
+
+
+def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
+    """The option of SiDMACIB that fits best, with its rule."""
+    selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
+    rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
+    if rows:
+        parts = {
+            row["sample"]: f"{option_name(row['option'])}, {rule_name(row['reduction'])} "
+            f"({percent(row['misfit'])})"
+            for row in rows
+        }
+        question = "Which option and rule of SiDMACIB fit the detailed model best?"
+        yield Question(question, by_sample=parts, column="best fit of SiDMACIB (misfit)")
+
+
+def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
+    """Differences of the peaks in pure shear from the published ones."""
+    selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
+    selected = selected[selected["model"] == selected["sample"].map(leading)]
+    if len(selected):
+        parts = {
+            row.sample: f"{100 * float(row.relative_difference):+.2f} %"
+            for row in selected.itertuples()
+        }
+        yield Question(
+            "How far are computed peaks from published ones?",
+            by_sample=parts,
+            column="difference from the published peak",
+        )
+
+
+def _engines(cases: pd.DataFrame) -> Iterator[Question]:
+    """Differences of the engines from the static model."""
+    engines = cases[cases["model"].isin(list(ENGINES))]
+    size = engines["difference_to_static"].abs().dropna()
+    if len(size):
+        names = ", ".join(label_of(model).name for model in engines["model"].unique())
+        yield Question(
+            "Do the engines agree with the static model?",
+            f"{names}: within {100 * size.max():.2g} % in {len(size)} cases",
+        )
+
+
+def _mesh(capacity: pd.DataFrame, mesh: float) -> Iterator[Question]:
+    """Whether the finest mesh is fine enough."""
+    selected = capacity[capacity["mesh_error"].notna() & np.isclose(capacity["mesh_m"], mesh)]
+    if selected.empty:
+        return
+    row = selected.sort_values("mesh_error", kind="stable").iloc[-1]
+    verdict = "No" if row["mesh_error"] > MESH_LIMIT else "Yes"
+    yield Question(
+        f"Is a mesh of {mesh:g} m fine enough?",
+        f"{verdict}: mesh error up to {percent(row['mesh_error'])} ({row['model']}, {row['case']})",
+    )

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.published import comparisons, difference_text, quantity_label
-from analysis.summary.answers import (
+from analysis.summary import (
     DESIGN,
     MESH_LIMIT,
     PEAK_ACCURACY,
@@ -17,7 +17,7 @@ from analysis.summary.answers import (
     percent,
     ratios,
 )
-from analysis.tables.study_points import winner
+from analysis.tables import winner
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE

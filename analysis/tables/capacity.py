@@ -7,14 +7,14 @@ from typing import Any
 import pandas as pd
 
 from analysis.published import Published, read_published
-from analysis.tables.study_points import pure_shear_weights
+from analysis.tables import pure_shear_weights
+from sidmacib.contact_points import REDUCTIONS
 from sidmacib.contact_points.envelope import envelope
-from sidmacib.contact_points.options import REDUCTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.models import LAWS, MODELS, detailed
-from sidmacib.rule.law import RULES, LawCapacity
+from sidmacib.rule import RULES, LawCapacity
 from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
 from workflow.results.tables import CAPACITY, CASES, ENVELOPES, WEIGHTS, read_table, write_table

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,10 @@ import pandas as pd
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.models import REFERENCE_MODEL, SOLVED, first_failure_only
+from sidmacib.problem import UNKNOWN, MeshErrors
 from workflow.case import REFERENCE
+from workflow.results import read_records
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import read_records
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
 from workflow.step import Arguments, FileLists, Files, step
 
@@ -22,14 +23,6 @@ SHARED = (
     *("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity_m"),
     "eccentricity_over_a",
 )
-
-
-@dataclass(frozen=True)
-class ResultErrors:
-    """Relative mesh errors of a result's load and of its first failure; None: not known."""
-
-    load: float | None = None
-    first_failure: float | None = None
 
 
 def weights_table(records: Iterable[JointRecord]) -> pd.DataFrame:
@@ -66,8 +59,8 @@ def cases_table(records: Sequence[JointRecord], all_records: Iterable[JointRecor
         row["static_load_N"] = compared
         row["difference_to_static"] = load / compared - 1.0 if compared and load else None
         row["error"] = record.error or record.refused
-        errors = mesh_errors.get((record.model, record.name), ResultErrors())
-        row |= {"mesh_error": errors.load, "first_failure_mesh_error": errors.first_failure}
+        errors = mesh_errors.get((record.model, record.name), UNKNOWN)
+        row |= {"mesh_error": errors.peak, "first_failure_mesh_error": errors.first}
         rows.append(row)
     return CASES.frame(rows)
 
@@ -117,7 +110,7 @@ def models_table(
             columns
             | {
                 "load_N": record.load_N,
-                "mesh_error": mesh_errors.get((record.model, record.name), ResultErrors()).load,
+                "mesh_error": mesh_errors.get((record.model, record.name), UNKNOWN).peak,
                 "first_failure_load_N": failure,
                 "peak_spread": record.peak_spread,
                 "friction_share": friction_share(record),
@@ -162,7 +155,7 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     write_table(MODELS, models_table(records, every), outputs["models"])
 
 
-def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], ResultErrors]:
+def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], MeshErrors]:
     """Mesh errors of results by model and name of the case; results without an error are left out.
 
     A model with one mesh takes the errors of the same joint, nodes and load from a model that is
@@ -173,7 +166,7 @@ def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], ResultErr
     for r in records:
         series.setdefault((r.model, r.variant, r.part.series), []).append(r)
     by_series = {key: _errors_of_one(rows) for key, rows in series.items()}
-    lendable: dict[tuple[str, float], ResultErrors] = {}
+    lendable: dict[tuple[str, float], MeshErrors] = {}
     for lender in SOLVED:
         for (model, _, joint), errors in by_series.items():
             if model == lender:
@@ -189,7 +182,7 @@ def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], ResultErr
     return {case: errors for case, errors in by_case.items() if errors is not None}
 
 
-def _errors_of_one(records: Iterable[JointRecord]) -> dict[float, ResultErrors]:
+def _errors_of_one(records: Iterable[JointRecord]) -> dict[float, MeshErrors]:
     """Mesh errors of results of one joint and model, by mesh (m)."""
     records = list(records)
     layout = NodeLayout(records[0].part.nodes)
@@ -199,7 +192,7 @@ def _errors_of_one(records: Iterable[JointRecord]) -> dict[float, ResultErrors]:
     known = {r.part.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
     first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
     return {
-        r.part.mesh_m: ResultErrors(load.get(r.part.cells), first.get(r.part.cells))
+        r.part.mesh_m: MeshErrors(first.get(r.part.cells), load.get(r.part.cells))
         for r in records
         if r.part.cells in load
     }

@@ -1,14 +1,26 @@
-"""Comparisons of capacities: SiDMACIB, variants, published and measured numbers."""
+"""Fits of SiDMACIB, and comparisons of variants, published and measured numbers.
+
+SiDMACIB is fitted to the detailed models and to each variant: the best option and reduction. Both
+capacities are loads along the same direction of the (V, M) plane, so their error is the relative
+difference of the loads: positive where SiDMACIB promises more than the joint carries (unsafe),
+negative where it promises less (safe).
+"""
 
 import math
 from collections.abc import Iterator
+from dataclasses import fields
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from scipy.optimize import least_squares
 
 from analysis.published import Published, read_published
-from analysis.tables.fit import best_table, fit_table, variants_table
-from analysis.tables.study_points import pure_shear_weights, study_points, winner
+from analysis.tables import LoadErrors, misfit, pure_shear_weights, study_points, winner
+from sidmacib.contact_points import ContactOption
+from sidmacib.contact_points.programme import Sidmacib, pair_loads
+from sidmacib.joint import Direction, Joint
+from sidmacib.mechanics.assembly import Floats
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE
 from workflow.results.tables import (
@@ -26,7 +38,154 @@ from workflow.results.tables import (
 from workflow.schema import Study
 from workflow.step import Arguments, Files, step
 
+FEWEST = 3  # directions that an option is judged by
 SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
+
+
+def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
+    """Misfit of every SiDMACIB variant, best first, for each detailed model, sample and mesh.
+
+    The detailed models are those that SiDMACIB's weights were read from, in the table's order.
+    """
+    limit, error = capacity[capacity["model"] == "sidmacib"], "mesh_error_carried"
+    rows = []
+    detailed = dict(detailed_curves(capacity))
+    for model, curves in detailed.items():
+        promised = limit[limit["weights_from"] == model]
+        both = promised.merge(
+            curves[["case", "load_N", "mesh_error"]], on="case", suffixes=("", "_carried")
+        )
+        if len(both) != len(promised):
+            raise ValueError(
+                f"{model}: {len(promised)} loads of SiDMACIB, but {len(both)} to compare with"
+            )
+        both = both.dropna(subset=["load_N_carried"])  # a case without a result
+        names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
+        for values, curve in both.groupby(names, sort=False):
+            result = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
+            named = dict(zip(names, values, strict=True))
+            extent = {"directions": len(curve), "largest_mesh_error": curve[error].max()}
+            rows.append({"model": model, **named, **vars(result), **extent})
+    if not rows:
+        return pd.DataFrame(columns=list(FIT.columns))
+    table = pd.DataFrame(rows)
+    table["model"] = pd.Categorical(table["model"], list(detailed))  # the leading one first
+    groups = ["model", "sample", "mesh_m"]
+    table["rank"] = table.groupby(groups, observed=True)["misfit"].rank(method="min").astype(int)
+    table = table.sort_values([*groups, "rank", "option", "friction", "reduction"])
+    return table.astype({"model": str})
+
+
+def detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The models that SiDMACIB's weights were read from, with their capacities."""
+    used = capacity["weights_from"].dropna().unique()
+    carried = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
+    for model, rows in carried.groupby("model", sort=False):
+        yield str(model), rows
+
+
+def best_pair(
+    joint: Joint, overload: float, friction: bool, curve: pd.DataFrame
+) -> dict[str, float]:
+    """Contact-point distance d and strength per lock that fit a curve of loads best.
+
+    Two points per lock at +-d, every lock of the same strength. ``curve`` has columns
+    ``eccentricity_over_a`` and ``load_N``.
+    """
+    directions = [Direction(e) for e in curve["eccentricity_over_a"]]
+    carried = curve["load_N"].to_numpy()
+
+    def loads(unknowns: Floats) -> Floats:
+        option = ContactOption.pair(float(unknowns[0]))
+        strength = (float(unknowns[1]),) * joint.locks
+        model = Sidmacib(joint, option, strength, friction, overload)
+        return pair_loads(model, directions)
+
+    start = [0.25, min(1.0, float(carried.max()) / math.fsum(joint.strengths))]
+    result = least_squares(
+        lambda unknowns: loads(unknowns) / carried - 1.0,
+        start,
+        bounds=([0.0, 0.0], [0.5, 1.0]),
+        diff_step=1e-3,
+        xtol=1e-6,
+    )
+    # What the search leaves below that differs from one processor to another.
+    distance, factor = (round(float(value), 5) for value in result.x)
+    return {
+        "distance_over_a": distance,
+        "distance_m": distance * joint.a,
+        "strength_per_lock_N": factor * math.fsum(joint.strengths) / joint.locks,
+        "locks_that_count": factor * joint.locks,
+        **vars(misfit(loads(np.array([distance, factor])), carried)),
+    }
+
+
+def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
+    """`best_pair` for each detailed model, sample and mesh, without and with friction."""
+    known = study_points(study, capacity.dropna(subset=["load_N"]))
+    rows: list[dict[str, Any]] = []
+    for model, curves in detailed_curves(known):
+        for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
+            joint = study.joint(str(sample))
+            if len(curve) < 3 or not joint.interlocking:  # two unknowns fit any two loads
+                continue
+            for friction in (False, True):
+                best = best_pair(joint, study.sidmacib.overload, friction, curve)
+                names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
+                rows.append({**names, "friction": friction, **best})
+    return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
+
+
+def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> pd.DataFrame:
+    """One row for each direction that a variant of a model was run in, with the best option.
+
+    ``option``: of SiDMACIB with (n - 1) / 2 locks and without friction, the one with the least
+    misfit over all directions of the variant; empty if there are fewer than three, or no such rule
+    in the study. ``stiffness_ratio``: E over Kn b, empty if the pieces are rigid.
+    """
+    carried = capacity[capacity["failed_load_N"].notna() & capacity["load_N"].notna()]
+    promised = capacity[(capacity["reduction"] == "half") & ~capacity["friction"].eq(True)]
+    keys = ["model", "variant", "case"]
+    carried = carried.merge(sums[[*keys, "lower_weight_sum"]], on=keys, how="left", validate="1:1")
+    rows = []
+    names = ["variant", "sample", "model", "mesh_m"]
+    for (variant, sample, *_), curve in carried.groupby(names, sort=False):
+        joint = study.joint(str(sample), study.every_variant[str(variant)])
+        fit = _best_option(promised, curve)
+        described = curve.assign(
+            failure=str(joint.failure),
+            upper_body=str(joint.upper_body),
+            young_Pa=joint.elastic.young if joint.elastic else math.nan,
+            stiffness_ratio=joint.stiffness_ratio if joint.elastic else math.nan,
+            fracture_energy_J_m2=joint.inner.fracture_energy,
+            load_over_T0=curve["load_N"] / joint.T0,
+            directions=len(curve),
+            **fit,
+        )
+        rows.append(described[list(VARIANTS.columns)])
+    if not rows:
+        return pd.DataFrame(columns=list(VARIANTS.columns))
+    return pd.concat(rows, ignore_index=True)
+
+
+def _best_option(promised: pd.DataFrame, curve: pd.DataFrame) -> dict[str, object]:
+    """The option that fits ``curve`` best, and its errors; empty if there is none."""
+    unknown = dict.fromkeys(("option", *(each.name for each in fields(LoadErrors))))
+    return min(_errors(promised, curve), key=lambda each: each["misfit"], default=unknown)
+
+
+def _errors(promised: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """The errors of each option that was solved in all directions of ``curve``."""
+    if len(curve) < FEWEST:
+        return
+    loads = curve.set_index("case")["load_N"]
+    comparable = promised[
+        promised["case"].isin(loads.index) & (promised["weights_from"] == curve["model"].iloc[0])
+    ]
+    for option, rows in comparable.groupby("option", sort=False):
+        promised_loads = rows.set_index("case")["load_N"].reindex(loads.index).to_numpy(dtype=float)
+        if np.isfinite(promised_loads).all():
+            yield {"option": option, **vars(misfit(promised_loads, loads.to_numpy(dtype=float)))}
 
 
 def validation_table(

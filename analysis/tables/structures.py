@@ -1,4 +1,4 @@
-"""Tables of the structures of a study: capacities by model, interfaces and blocks."""
+"""Tables of the structures of a study: capacities by model, interfaces, blocks, moving supports."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -8,20 +8,23 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.answers.structure import counting, without_other_meshes
+from sidmacib.answers.supports import support_answers
 from sidmacib.answers.verdict import Verdict, governing, verdict
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.analysis.rows import most_used
 from sidmacib.structure.analysis.tilt import tilt_of_load
-from workflow.case import CaseId
-from workflow.results.record import read_records
+from sidmacib.structure.loads import SupportMotion
+from workflow.case import CaseId, StructureSubject
+from workflow.results import read_records, rounded_or_none
 from workflow.results.structure_part import StructureRecord
 from workflow.results.tables import (
     BLOCKS,
     INTERFACES,
     MOTION,
     STRUCTURES,
+    SUPPORTS,
     VERDICTS,
     write_table,
 )
@@ -191,5 +194,35 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     write_table(BLOCKS, blocks_table(records), outputs["blocks"])
 
 
+def support_rows(cases: Iterable[tuple[StructureSubject, str]]) -> Iterator[dict[str, Any]]:
+    """A row for each answer to a subject in a variant; where there is none, the note says why."""
+    for subject, variant in cases:
+        row = {"structure": subject.structure, "load": subject.load, "variant": variant}
+        assembly, loads = subject.problem()
+        assert isinstance(loads, SupportMotion)
+        try:
+            answers, _ = support_answers(assembly, loads)
+        except CapacityError as error:
+            yield {**row, "answer": "none", "note": " ".join(str(error).split())}
+            continue
+        reaction, movement, unit = "reaction_N", "movement_m", 1.0
+        if loads.turns:
+            reaction, movement, unit = "reaction_Nm", "movement_degrees", math.degrees(1.0)
+        for each in answers:
+            yield {
+                **row,
+                "answer": each.answer,
+                reaction: rounded_or_none(each.reaction),
+                movement: None if each.movement is None else rounded_or_none(unit * each.movement),
+                "note": each.note,
+            }
+
+
+def write_supports(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write that of supports; ``cases``: structure, load, description and variant of each."""
+    cases = [(StructureSubject(*subject), variant) for *subject, variant in arguments["cases"]]
+    write_table(SUPPORTS, SUPPORTS.frame(support_rows(cases)), outputs["supports"])
+
+
 if __name__ == "__main__":
-    step(run)
+    step(run, supports=write_supports)

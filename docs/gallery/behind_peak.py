@@ -9,7 +9,7 @@ back (snap-back), a test under displacement control would show a sudden drop.
 import matplotlib.pyplot as plt
 
 import sidmacib
-from sidmacib.mechanics.static.after_peak import after_peak
+from sidmacib.mechanics.static.peaks import after_peak
 
 joint, direction = sidmacib.Joint(locks=5), sidmacib.Direction(0.5)  # e / a
 assembly = sidmacib.assemble(joint, mesh=0.01)

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
 
 # Coarse and fine mesh over the shorter side of a lock; both give the mesh error on the fine one.

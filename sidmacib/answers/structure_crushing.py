@@ -23,9 +23,9 @@ from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.solution import Equilibrium, Solver
-from sidmacib.mechanics.static.model import peak_of, solver_of
+from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt

@@ -1,7 +1,7 @@
 """The answer of the static model for a structure in words."""
 
 from sidmacib.problem import Counts
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 
 
 def load_words(load: float, weight: float | None) -> str:

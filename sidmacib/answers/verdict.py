@@ -12,7 +12,7 @@ from typing import Protocol
 from sidmacib.answers.structure import CRUSHING, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.problem import Counts, Failures
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 
 
 class Static(Protocol):

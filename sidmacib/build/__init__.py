@@ -1,1 +1,391 @@
-"""Blocks with their locks as solids: shapes, files for printers and mills, drawings."""
+"""Each block of a joint or a structure as one closed solid: its own locks added, others' cut out.
+
+Solids of one kind differ only in where they are; each kind has axes to draw it along.
+
+A lock belongs to one of two blocks and reaches into the other. Clearance makes locks smaller, never
+the hollows that they lie in: so no solid leaves the shape that the models calculate with.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+from pathlib import Path
+
+import manifold3d
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import Floats, Integers
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.crossing import grouped
+from sidmacib.structure.cutting import Plane, cut
+from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
+from sidmacib.structure.interfaces import NEAR, interfaces, mean_size
+from sidmacib.structure.locks import LockPart, Locks, Row, cut_off
+from sidmacib.structure.overlaps import common_volume, solid_of
+from sidmacib.structure.structure import Pair, rows_of
+from sidmacib.validation import refused, require_not_negative
+
+GROWN = 1e-11  # over a block's size: so that parts which touch overlap; far above rounding
+SMOOTHED = 1e-9  # over a block's size: what parts that overlap leave at their edges
+WELDED = 2e-7  # over a block's size: vertices that are the same in 32-bit numbers
+DIGITS = 10  # of coordinates, of the block's size
+SHARED = 1e-9  # over a block's volume: what two solids may share
+ALIKE = 1e-4  # over the volume: what blocks of one kind may differ by
+RIGHT = 1e-3  # cosine: directions at right angles
+TURNS = np.round(Rotation.create_group("O").as_matrix())  # those of a cube
+Found = tuple[list[Block], dict[Pair, Row], float]  # with the tolerance of interfaces
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """Gaps between a lock and the other block, in m.
+
+    ``sides``: at its flanks and ends; two neighbouring locks give way by half of it each.
+    ``heads``: between its head and the bottom of the hollow; 0, as the joint bears there.
+    ValueError unless both are 0 or more.
+    """
+
+    sides: float = 0.0
+    heads: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_not_negative(clearance=self.sides, head_clearance=self.heads)
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A block as it is made: a closed surface of triangles.
+
+    ``number``: from 1; ``places`` in m, (V, 3); ``triangles``: vertices of each, anticlockwise seen
+    from outside, (T, 3); ``density`` in kg/m3.
+    """
+
+    number: int
+    name: str
+    places: Floats
+    triangles: Integers
+    density: float
+
+    @cached_property
+    def manifold(self) -> manifold3d.Manifold:
+        """The solid for operations with others, in m."""
+        mesh = manifold3d.Mesh64(np.array(self.places), np.array(self.triangles, np.uint64))
+        return manifold3d.Manifold(mesh)
+
+    @property
+    def volume(self) -> float:
+        """In m3."""
+        corners = self.places[self.triangles] - self.places.mean(axis=0)
+        return float(np.linalg.det(corners).sum()) / 6.0
+
+    @property
+    def mass(self) -> float:
+        """In kg."""
+        return self.density * self.volume
+
+
+def solids(
+    blocks: Sequence[Block],
+    rows: Mapping[Pair, Row],
+    clearance: Clearance | None = None,
+    near: float = NEAR,
+) -> tuple[Solid, ...]:
+    """Every one of ``blocks`` with the locks of ``rows``, condensed or not, in their order.
+
+    ``near``: as in `interfaces`; a lock fills the gap in its interface.
+    ValueError for blocks with locks that are not convex, for locks that a clearance leaves nothing
+    of, or that cut a block into several, and for solids that overlap.
+    """
+    gaps, near = clearance or Clearance(), near * mean_size(blocks)
+    left = {block.name: [block] for block in blocks}
+    locks: dict[str, list[Floats]] = {block.name: [] for block in blocks}
+    growth = {block.name: GROWN * block.size for block in blocks}
+    for row in rows.values():
+        below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
+        second = above if row.locks.first == below else below
+        owners = str(row.locks.first), second
+        cuts = {}
+        for name, side in ((below, -1.0), (above, 1.0)):
+            left[name], cuts[side] = cut_off(row, left[name], side)
+            if not left[name]:
+                raise refused(f"{name}: height of locks", row.locks.height, "less than the block's")
+        heights = [
+            np.abs((part.solid.places - row.middle) @ row.interface.axes[0])
+            for part in (*cuts[-1.0], *cuts[1.0])
+        ]
+        gap = max((float(h[h <= near].max(initial=0.0)) for h in heights), default=0.0)
+        reach = 2.0 * (gap + max(growth[below], growth[above]))
+        for side, name in ((-1.0, below), (1.0, above)):
+            for part in cuts[side]:
+                owner = owners[part.number % 2]
+                facing = [each for each in cuts[-side] if each.number == part.number]
+                ends = _ends(row, part, facing, gaps, side, own=owner == name)
+                lock = _behind(part.solid, ends)
+                if lock is None:
+                    words = f"lock {part.number + 1} of {below} and {above}: a clearance of "
+                    raise ValueError(f"{words}{gaps.sides:g} m leaves nothing of it")
+                corners = _grown(lock, growth[owner])
+                locks[owner].append(
+                    corners if owner == name else _rooted(corners, row, side, near, reach)
+                )
+    made = []
+    for number, block in enumerate(blocks, start=1):
+        parts_of = [_grown(part, growth[block.name]) for part in left[block.name]]
+        locked = any(block.name in pair for pair in rows)
+        every = [*parts_of, *locks[block.name]] if locked else []
+        made.append(_united(number, block, every))
+    require_apart(made, {block.name for block in blocks if block.fixed})
+    return tuple(made)
+
+
+def _behind(solid: Block, planes: Iterable[Plane]) -> Block | None:
+    """The part of a convex ``solid`` behind all ``planes``; None if there is none."""
+    rest: Block | None = solid
+    for point, outward in planes:
+        if rest is not None:
+            rest, _ = cut(rest, point, outward)
+    return rest
+
+
+def _ends(
+    row: Row,
+    part: LockPart,
+    facing: Sequence[LockPart],
+    gaps: Clearance,
+    side: float,
+    *,
+    own: bool,
+) -> Iterator[Plane]:
+    """The planes that a ``part`` of a lock ends at.
+
+    At the flanks to other locks, where the other block is beside it, and at its head. ``facing``:
+    the parts of the same lock in the other block, beyond the interface.
+    """
+    if gaps.sides:
+        low, high = row.edges[part.number : part.number + 2]
+        if part.number > 0:
+            yield row.middle + (low + gaps.sides / 2) * row.across, -row.across
+        if part.number < row.locks.count - 1:
+            yield row.middle + (high - gaps.sides / 2) * row.across, row.across
+        # In its own block a lock keeps what it grows from, and elsewhere runs straight up.
+        own_sides = [point for point, _ in part.beside] if own else []
+        for point, outward in (plane for each in ([part], facing)[own] for plane in each.beside):
+            if not any(np.array_equal(point, each) for each in own_sides):
+                yield point - gaps.sides * outward, outward
+    if gaps.heads and not own:
+        normal = side * row.interface.axes[0]
+        yield row.middle + (row.locks.height / 2 - gaps.heads) * normal, normal
+
+
+def _grown(part: Block, by: float) -> Floats:
+    """The corners (m) of a convex ``part`` whose faces are ``by`` about as many m further out."""
+    outwards = np.zeros_like(part.places)
+    for face, normal in zip(part.faces, part.normals, strict=True):
+        outwards[list(face)] += normal
+    return np.asarray(part.places + by * outwards)
+
+
+def _rooted(corners: Floats, row: Row, side: float, near: float, reach: float) -> Floats:
+    """A lock in the other block that goes ``reach`` (m) into its own across a gap of ``near``."""
+    normal = side * row.interface.axes[0]
+    height = (corners - row.middle) @ normal
+    return np.asarray(corners - np.outer(np.where(height <= near, height + reach, 0.0), normal))
+
+
+def _united(number: int, block: Block, parts: Sequence[Floats]) -> Solid:
+    """One solid of convex ``parts`` that overlap, or else the ``block`` as it is.
+
+    ValueError if they do not hold together.
+    """
+    middle, size = block.places.mean(axis=0), block.size
+    hulls = [manifold3d.Manifold.hull_points((part - middle) / size) for part in parts]
+    if hulls:
+        whole = manifold3d.Manifold.batch_boolean(hulls, manifold3d.OpType.Add)
+        whole = simplified(whole.as_original(), SMOOTHED)
+    else:
+        whole = solid_of(block, middle, size)
+    if len(whole.decompose()) != 1:
+        raise ValueError(f"{block.name}: its locks must not cut it into several pieces")
+    mesh = whole.to_mesh64()
+    places, triangles = _welded(
+        np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
+    )
+    decimals = DIGITS - math.ceil(math.log10(size))
+    places = np.round(places * size + middle, decimals) + 0.0
+    return Solid(number, block.name, places, triangles, block.density)
+
+
+def simplified(whole: manifold3d.Manifold, by: float) -> manifold3d.Manifold:
+    """``whole`` without detail smaller than ``by``, in its units, or as it is.
+
+    Where slivers meet, Manifold (3.5) may take away a corner: its volume tells.
+    """
+    simple = whole.simplify(by)
+    same = abs(simple.volume() - whole.volume()) <= by * whole.surface_area()
+    return simple if same else whole
+
+
+def _welded(places: Floats, triangles: Integers) -> tuple[Floats, Integers]:
+    """A surface without vertices nearer than `WELDED`, which files of 32-bit numbers confuse."""
+    close = cKDTree(places).query_pairs(WELDED, output_type="ndarray")
+    group = np.array(grouped(len(places), close.astype(np.int64).reshape(-1, 2)))
+    _, first, kept = np.unique(group, return_index=True, return_inverse=True)
+    merged = kept[triangles]
+    real = (merged != np.roll(merged, 1, axis=1)).all(axis=1)
+    return places[first], merged[real].astype(np.int64)
+
+
+def require_apart(made: Sequence[Solid], fixed: set[str]) -> None:
+    """ValueError, with their names, for two solids that share more than `SHARED`.
+
+    Two that are ``fixed`` may, as in the model.
+    """
+    low = [each.places.min(axis=0) for each in made]
+    high = [each.places.max(axis=0) for each in made]
+    for one, other in combinations(range(len(made)), 2):
+        near = (low[one] <= high[other]).all() and (low[other] <= high[one]).all()
+        first, second = made[one], made[other]
+        if not near or {first.name, second.name} <= fixed:
+            continue
+        most = SHARED * min(first.volume, second.volume)
+        if (shared := common_volume(first.manifold, second.manifold, most)) > most:
+            words = f"{first.name} and {second.name} would share {shared:g} m3"
+            raise ValueError(f"blocks: {words}")
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """Blocks of one shape, the first of which is drawn; ``axes`` of the drawing, (3, 3)."""
+
+    name: str
+    solids: tuple[Solid, ...]
+    axes: Floats
+
+    @property
+    def drawn(self) -> Solid:
+        """The first one along the axes of the drawing, its lowest coordinates 0."""
+        return laid(self.solids[0], self.axes)
+
+
+def kinds(solids: Sequence[Solid]) -> tuple[Kind, ...]:
+    """The kinds of ``solids``, named A, B and so on, in the order of their first ones.
+
+    A mirror image is a kind of its own.
+    """
+    groups: list[tuple[Solid, list[Solid]]] = []
+    for each in solids:
+        upright = laid(each, own_axes(each))
+        for first, group in groups:
+            if _alike(first, upright):
+                group.append(each)
+                break
+        else:
+            groups.append((upright, [each]))
+    return tuple(
+        Kind(letters(number), tuple(group), own_axes(group[0]))
+        for number, (_, group) in enumerate(groups)
+    )
+
+
+def letters(number: int) -> str:
+    """A for 0, Z for 25, AA for 26."""
+    return (letters(number // 26 - 1) if number >= 26 else "") + chr(ord("A") + number % 26)
+
+
+def laid(solid: Solid, axes: Floats) -> Solid:
+    """``solid`` in coordinates along ``axes``, (3, 3), from its lowest ones."""
+    places = solid.places @ axes.T
+    return replace(solid, places=places - places.min(axis=0))
+
+
+def own_axes(solid: Solid) -> Floats:
+    """Three axes at right angles along which a block is drawn, right-handed, (3, 3).
+
+    The direction that most area faces, and that of most area at right angles to it; of these axes
+    the third is the most upright, the first the nearest to x.
+    """
+    corners = solid.places[solid.triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(across, axis=1)
+    normals = across[area > 0.0] / area[area > 0.0, None]
+    largest = np.abs(normals).argmax(axis=1)
+    normals *= np.sign(np.take_along_axis(normals, largest[:, None], axis=1))
+    _, of = np.unique(np.round(normals, 3), axis=0, return_inverse=True)
+    ways = np.zeros((int(of.max()) + 1, 3))
+    np.add.at(ways, of.ravel(), normals * area[area > 0.0, None])
+    length = np.linalg.norm(ways, axis=1)
+    ways /= length[:, None]
+    # Of those that as much area faces the most upright one.
+    order = np.lexsort((*np.round(np.abs(ways), 6).T, np.round(length / area.sum(), 4)))[::-1]
+    ways = ways[order]
+    first = ways[0]
+    cosine = np.abs(ways @ first)
+    others = [*ways[cosine < RIGHT], *ways[(cosine >= RIGHT) & (cosine < 0.9)], *np.eye(3)]
+    second = next(way for way in others if abs(way @ first) < 0.9)
+    second = second - (second @ first) * first
+    second /= np.linalg.norm(second)
+    axes = np.array([first, second, np.cross(first, second)])
+    up = axes[int(np.abs(axes[:, 2]).argmax())]
+    up = up * np.sign(up[2] or 1.0)
+    level = [axis for axis in axes if abs(axis @ up) < 0.5]
+    x = max(level, key=lambda axis: abs(axis[0]))
+    x = x * (np.sign(x[0]) or 1.0)
+    return np.array([x, np.cross(up, x), up])
+
+
+def _alike(one: Solid, other: Solid) -> bool:
+    """Whether a turn takes ``other`` to ``one``, both from their lowest coordinates."""
+    if abs(one.volume - other.volume) > ALIKE * one.volume:
+        return False
+    size = one.places.max(axis=0)
+    for turn in TURNS:
+        turned = laid(other, turn)
+        if np.abs(turned.places.max(axis=0) - size).max() > ALIKE * size.max():
+            continue
+        if (one.manifold - turned.manifold).volume() <= ALIKE * one.volume:
+            return True
+    return False
+
+
+LOWER, UPPER = "lower", "upper"
+
+
+def blocks_of_file(path: Path) -> Found | None:
+    """The blocks of a structure's file and where its locks are; None if it describes a joint.
+
+    ValueError, or `sidmacib.yaml_text.TextError`, if it is neither.
+    """
+    description = description_in(path)
+    if isinstance(description, dict) and "blocks" not in description:
+        return None
+    return blocks_and_rows(description, path.parent)
+
+
+def joint_blocks(joint: Joint) -> Found:
+    """The lower and the upper block of ``joint``, and where its locks are.
+
+    The lower body, whose thickness no model needs, is as high as the upper one; columns are parts
+    of the upper block. ValueError for locks of a density of their own.
+    """
+    for lock in joint.numbers:
+        if (density := joint.lock_density(lock)) != joint.density:
+            raise refused(f"different: lock {lock}: density", density, "that of its block")
+    x, width, middle = joint.a / 2, joint.total_width, joint.h / 2
+    blocks = [
+        box(LOWER, (-x, 0.0, -joint.H), (x, width, middle), joint.density),
+        box(UPPER, (-x, 0.0, middle), (x, width, joint.h + joint.H), joint.density),
+    ]
+    locks = Locks(
+        joint.locks,
+        joint.h,
+        row=(0.0, 1.0, 0.0),
+        first=str(joint.first),
+        widths=tuple(map(joint.width, joint.numbers)),
+    )
+    rows = rows_of(blocks, {frozenset((LOWER, UPPER)): locks}, interfaces(blocks))
+    return blocks, rows, NEAR

@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path as Outline
 
-from sidmacib.build.formats import UNITS, label
-from sidmacib.build.kinds import Kind
+from sidmacib.build import Kind
+from sidmacib.build.files import UNITS, label
 from sidmacib.build.views import Detail, View, cut_place, details, distinct, section, smooth, view
 from sidmacib.drawing import BLACK, GREY, VERMILION
 from sidmacib.mechanics.assembly import Floats

@@ -7,7 +7,7 @@ import manifold3d
 import numpy as np
 import trimesh
 
-from sidmacib.build.solids import Solid, simplified
+from sidmacib.build import Solid, simplified
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.locks import Row
 from sidmacib.structure.structure import Pair
@@ -91,11 +91,6 @@ def smooth(solid: Solid) -> Solid:
     return replace(solid, places=places, triangles=np.asarray(mesh.tri_verts).astype(np.int64))
 
 
-def edges_of(solid: Solid) -> Floats:
-    """The ends of the edges where faces meet at an angle, in m, (E, 2, 3)."""
-    return np.asarray(solid.places[edge_vertices(solid)])
-
-
 def edge_vertices(solid: Solid) -> Integers:
     """The vertices of those edges, (E, 2)."""
     mesh = trimesh.Trimesh(solid.places, solid.triangles, process=False)
@@ -105,7 +100,7 @@ def edge_vertices(solid: Solid) -> Integers:
 def view(solid: Solid, axes: Floats) -> View:
     """``solid`` along ``axes``: to the right, up, and towards who looks at it, (3, 3)."""
     size = float(np.ptp(solid.places, axis=0).max())
-    edges = edges_of(solid) @ axes.T
+    edges = solid.places[edge_vertices(solid)] @ axes.T
     triangles = (solid.places @ axes.T)[solid.triangles]
     seen: dict[bool, list[Floats]] = {False: [], True: []}
     for edge in edges:

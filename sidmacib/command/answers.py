@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from sidmacib.engines import ENGINES
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class Answer:
     """A model's load (N) along a direction, None if it has none, and further results.
 
     ``first_failure``: over the load; ``mesh_error``: of the load, over it; ``peak_spread``: see
-    `sidmacib.mechanics.static.lowest_peak`.
+    `sidmacib.mechanics.static.peaks`.
     """
 
     load: float | None
@@ -41,14 +41,14 @@ def usual_models(joint: Joint) -> tuple[str, ...]:
 
 
 def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.rule.law import law
+    from sidmacib.rule import law
 
     found = law(joint, direction, push)
     return Answer(found.load, found.moves or "first failure")
 
 
 def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.rule.law import safe
+    from sidmacib.rule import safe
 
     found = safe(joint, direction, push)
     return Answer(found.load, "; ".join(filter(None, ("margin for the model", found.moves))))
@@ -72,7 +72,7 @@ def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.contact_points.options import OPTIONS, active
+    from sidmacib.contact_points import OPTIONS, active
     from sidmacib.contact_points.programme import Sidmacib, capacity
     from sidmacib.rule.pairs import bearing_pairs
 
@@ -206,7 +206,7 @@ def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     `CapacityError` if there is none.
     """
     from sidmacib.answers.joint import joint_answer
-    from sidmacib.joint.weights import lock_weights
+    from sidmacib.joint.pieces import lock_weights
 
     found = joint_answer(joint, Loading(Direction(ratio), push=push))
     return [

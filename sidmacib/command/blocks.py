@@ -213,9 +213,7 @@ def build(
     overlap another.
     """
     with refused_in_one_line(), status_line() as progress:
-        from sidmacib.build.kinds import kinds
-        from sidmacib.build.solids import Clearance, solids
-        from sidmacib.build.sources import blocks_of_file, joint_blocks
+        from sidmacib.build import Clearance, blocks_of_file, joint_blocks, kinds, solids
         from sidmacib.command.build import table, write_all, write_step
 
         given = [name for name, value in flags.items() if value is not None]

@@ -6,10 +6,9 @@ from pathlib import Path
 import click
 import numpy as np
 
-from sidmacib.build.formats import UNITS, file_name, obj_text, stl, threemf
-from sidmacib.build.kinds import Kind, laid, own_axes
+from sidmacib.build import Clearance, Kind, Solid, laid, own_axes
+from sidmacib.build.files import UNITS, file_name, obj_text, stl, threemf
 from sidmacib.build.sheet import draw_sheet, spelled, write_sheet
-from sidmacib.build.solids import Clearance, Solid
 from sidmacib.command.answers import Row
 from sidmacib.command.output import text_of
 from sidmacib.structure.locks import Row as LockRow
@@ -71,7 +70,7 @@ def write_all(
 
 def write_step(made: Sequence[Solid], folder: Path, unit: str) -> None:
     """Write ``made`` as STEP into ``folder``; `click.UsageError` if that fails."""
-    from sidmacib.build.step import step
+    from sidmacib.build.files import step
 
     try:
         (folder / "blocks.step").write_bytes(step(made, unit))

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from sidmacib.command.answers import Row
+from sidmacib.design import Layout
 from sidmacib.design.designed import Design
-from sidmacib.design.layouts import Layout
 from sidmacib.mechanics.polygons import Polygon
 
 

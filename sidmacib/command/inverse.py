@@ -10,7 +10,7 @@ import numpy as np
 from sidmacib.command.answers import Row
 from sidmacib.command.joints import LOCKS
 from sidmacib.drawing import GREEN, ORANGE
-from sidmacib.joint.joint import Joint
+from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.quantities import Number, number_in, shown

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sidmacib.command.options import GEOMETRY, LOAD, MATERIAL, OUTPUT, Grouped
-from sidmacib.joint.joint import Direction, HoldDown, Joint
+from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
 from sidmacib.mechanics.assembly import Elastic

@@ -28,7 +28,7 @@ from sidmacib.command.output import (
 )
 from sidmacib.drawing import VM_RATIOS
 from sidmacib.engines import ENGINES
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.joint.loading import Push
 from sidmacib.quantities import Number
 

@@ -19,11 +19,11 @@ from sidmacib.command.note_drawing import drawing
 from sidmacib.command.note_mathml import equation, fraction, name, number, root
 from sidmacib.command.output import refused_in_one_line, write_text
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule.law import (
+from sidmacib.rule import (
     PATH,
     SPANS,
     JointFailure,

@@ -1,6 +1,6 @@
 """Drawing of a joint with its dimensions, for a calculation note: SVG in mm."""
 
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 
 MM = 1e3
 UPPER, LOWER = "#c9dcec", "#f4dcc2"  # blocks

@@ -15,14 +15,13 @@ import click
 
 from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve
 from sidmacib.models import MODELS
-from sidmacib.quantities import MEASURED_IN
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import MEASURED_IN, four_digits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sidmacib.command.answers import Row
-    from sidmacib.joint.joint import Joint
+    from sidmacib.joint import Joint
 
 FORMATS = ("table", "json", "csv")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`

@@ -18,7 +18,7 @@ from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
 from sidmacib.problem import Problem
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.scene.page import page

@@ -14,8 +14,8 @@ from typing import cast
 import cvxpy as cp
 import numpy as np
 
-from sidmacib.contact_points.options import ContactOption, contact_points
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.contact_points import ContactOption, contact_points
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.pieces import cut_pieces, upper_block
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.equilibrium import wrenches

@@ -1,1 +1,177 @@
-"""Design of structures: how many locks each interface gets, which way they run, and the order."""
+"""Layouts: the rows of locks that an interface may get, with what they carry and what they cost.
+
+A row has ``working`` locks of one width, which belong to the block above, ridges of the same width
+between them, and a margin on either side of at least that width; ridges and margins belong to the
+block below. That makes n = 2 working + 1 locks, of which (n - 1) / 2 work, whichever way the blocks
+are pushed. What slides across them shears off the roots of the locks that work.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sidmacib.contact_points import ContactOption
+from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Vector
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.interfaces import Interface
+from sidmacib.structure.locks import Condensed, Locks, Row, condensed_points
+from sidmacib.validation import require_not_negative, require_positive
+
+_CENTRE = Condensed(option=ContactOption((0.0,), (1.0,)))  # one point has the area of a lock
+LEVEL = 1e-6  # length of a level direction below which an interface is level
+
+
+@dataclass(frozen=True)
+class LockKind:
+    """The locks that a design is made of.
+
+    ``widths`` (m) that a lock may have, ``height`` in m, and the materials of `Locks`. ValueError
+    for a number out of its range.
+    """
+
+    widths: tuple[float, ...]
+    height: float
+    inner: FaceMaterial
+    dry: FaceMaterial
+
+    def __post_init__(self) -> None:
+        require_positive(height=self.height, **{f"width {w!r}": w for w in self.widths})
+        require_positive(cohesion=self.inner.cohesion)
+        if not self.widths:
+            raise ValueError("widths: must have one or more numbers")
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Cost of each lock that works, of each m2 of its root and m3 of it, whose sum is to be small.
+
+    ValueError for a number below 0, or if all are 0.
+    """
+
+    number: float = 1.0
+    area: float = 0.0
+    volume: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_not_negative(number=self.number, area=self.area, volume=self.volume)
+        if not (self.number or self.area or self.volume):
+            raise ValueError("weights: one must be more than 0")
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A row of locks that an interface may get.
+
+    ``direction``: index of the direction in which its locks run; ``run``: that direction, unit, as
+    plain numbers. ``working``: locks that work. ``area`` (m2): of the roots that are sheared off.
+    """
+
+    direction: int
+    run: Vector
+    working: int
+    widths: tuple[float, ...]
+    area: float
+    kind: LockKind
+
+    @property
+    def strength(self) -> float:
+        """Cohesion times area, in N."""
+        return self.kind.inner.cohesion * self.area
+
+    @property
+    def volume(self) -> float:
+        """Volume of the locks that work, in m3."""
+        return self.area * self.kind.height
+
+    @cached_property
+    def width(self) -> float:
+        """Width of a lock that works, in m."""
+        return self.widths[1]
+
+    def cost(self, weights: Weights) -> float:
+        """Cost in the units of ``weights``."""
+        parts = (
+            weights.number * self.working,
+            weights.area * self.area,
+            weights.volume * self.volume,
+        )
+        return math.fsum(parts)
+
+    def locks(self, below: str) -> Locks:
+        """The row for `structure`, of an interface whose lower block is called ``below``."""
+        return Locks(
+            len(self.widths),
+            self.kind.height,
+            run=self.run,
+            first=below,
+            widths=self.widths,
+            inner=self.kind.inner,
+            dry=self.kind.dry,
+        )
+
+
+Choice = Sequence[Layout | None]  # for each site
+
+
+def directions_of(
+    face: Polygon, *, angles: Sequence[float] = (), runs: Sequence[Vector] = ()
+) -> tuple[Vector, ...]:
+    """Unit vectors in which locks of ``face`` may run, one of two opposite ones.
+
+    ``angles`` in degrees in the plane of the face, anticlockwise about its normal from its level
+    direction (from x in a level face); ``runs``: directions that are projected onto the face, of
+    which those across it are left out.
+    """
+    normal = face.axes[0]
+    level = np.cross([0.0, 0.0, 1.0], normal)
+    if np.linalg.norm(level) <= LEVEL:
+        level = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
+    level /= np.linalg.norm(level)
+    steep = np.cross(normal, level)
+    given = [
+        math.cos(math.radians(angle)) * level + math.sin(math.radians(angle)) * steep
+        for angle in angles
+    ]
+    for run in runs:
+        flat = np.array(run, float) - (normal @ run) * normal
+        if np.linalg.norm(flat) > LEVEL * np.linalg.norm(run):
+            given.append(flat / np.linalg.norm(flat))
+    found: list[Floats] = []
+    for one in given:
+        if all(abs(one @ other) < 1.0 - CLOSE for other in found):
+            found.append(one)
+    return tuple((float(x), float(y), float(z)) for x, y, z in np.round(found, 12) + 0.0)
+
+
+def layouts_of(
+    face: Polygon, kind: LockKind, directions: Sequence[Vector], most: int
+) -> tuple[Layout, ...]:
+    """All rows of ``kind`` that have room on ``face``, with at most ``most`` locks that work."""
+    return tuple(
+        layout
+        for number, run in enumerate(directions)
+        for width in kind.widths
+        for layout in _rows(face, kind, number, run, width, most)
+    )
+
+
+def _rows(
+    face: Polygon, kind: LockKind, direction: int, run: Vector, width: float, most: int
+) -> Iterator[Layout]:
+    interface = Interface(face.below, face.above, face.axes, face.middle, face.outline)
+    whole = Row.of(Locks(1, kind.height, run=run), interface, face.name)
+    across = float(whole.edges[1] - whole.edges[0])
+    for working in range(1, most + 1):
+        margin = (across - (2 * working - 1) * width) / 2
+        if margin < width * (1.0 - CLOSE):
+            return
+        widths = (margin, *[width] * (2 * working - 1), margin)
+        row = Row.of(Locks(len(widths), kind.height, run=run, widths=widths), interface, face.name)
+        _, areas = condensed_points(row, _CENTRE)
+        ridges = float(areas[2:-2:2].sum())
+        # Either way, as many ridges bear as locks work: those between, and the margin ahead.
+        held = min(float(areas[1::2].sum()), ridges + float(min(areas[0], areas[-1])))
+        yield Layout(direction, run, working, widths, held, kind)

@@ -19,7 +19,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import shapely
 
-from sidmacib.design.layouts import Choice
+from sidmacib.design import Choice
 from sidmacib.design.model import Site
 from sidmacib.mechanics.assembly import Assembly, Floats, Vector
 from sidmacib.mechanics.polygons import Polygon

@@ -18,16 +18,16 @@ from dataclasses import dataclass, replace
 
 from sidmacib.answers.structure import bond_fails, static_answer
 from sidmacib.answers.structure_limit import limit_state
+from sidmacib.design import Choice, Layout
 from sidmacib.design.blocking import Order, conflict, order_of
 from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of
 from sidmacib.design.file import Task, designed
-from sidmacib.design.layouts import Choice, Layout
 from sidmacib.design.model import DesignProblem
 from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.files.structure_file import assembly_of
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array, eye_array, hstack
 
-from sidmacib.design.layouts import Layout
+from sidmacib.design import Layout
 from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
 from sidmacib.design.sizing import ENOUGH, WHAT, Mechanism, least_cost, work_of
 from sidmacib.errors import InfeasibleError, SolverError

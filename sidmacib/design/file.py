@@ -11,8 +11,8 @@ import numpy as np
 import yaml
 from pydantic import BeforeValidator, StrictBool, model_validator
 
-from sidmacib.contact_points.options import OPTIONS
-from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
+from sidmacib.contact_points import OPTIONS
+from sidmacib.design import Layout, LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cvxpy as cp
 import numpy as np
 
-from sidmacib.design.layouts import Choice
+from sidmacib.design import Choice
 from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Floats

@@ -26,7 +26,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind, Loads
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.springs import compliance
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.model import Ability
 from sidmacib.problem import Outcome, Problem
 

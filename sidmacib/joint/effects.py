@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import AMOUNTS, Joint
+from sidmacib.joint import AMOUNTS, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.joint.pieces import reassemble
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.static import static_first_failure
 
 STEP = 0.01  # of a parameter, over itself, or over the size of one that is 0
 PRECISION = 1e-3  # of an effect, in %: that of a first failure

@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.pieces import assemble, lock_name, upper_bodies
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout, SideLoad, self_weight
 from sidmacib.problem import Problem

@@ -13,7 +13,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Any
 
-from sidmacib.joint.joint import HoldDown, Joint
+from sidmacib.joint import HoldDown, Joint
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.quantities import Number, choice
 from sidmacib.validation import kinds_of, number_of

@@ -23,8 +23,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import Limited, crushing_rows
 from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.optimisation import solve
+from sidmacib.mechanics.optimisation import equilibrium_matrix, solve
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.twist import Twist
 

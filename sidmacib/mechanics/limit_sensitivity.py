@@ -26,8 +26,8 @@ from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import unbalanced_forces
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 
 SHAKE = 1e-5  # of loads, areas and lengths
 SAME = 1e-3  # difference of derivatives to either side, over the largest or the load over the size

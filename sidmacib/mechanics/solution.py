@@ -95,7 +95,7 @@ class StaticSolution:
     ``refinement``: the factor on the increments of the load at which the first failure converged.
     ``collapsed``: what was left of the bonds when no equilibrium followed, see `NodeState.whole`;
     None if the path ended otherwise. ``spread``: of the peaks that were found, the highest less the
-    lowest, over the lowest; see `sidmacib.mechanics.static.lowest_peak`.
+    lowest, over the lowest; see `sidmacib.mechanics.static.peaks`.
     """
 
     first_failure_load: float

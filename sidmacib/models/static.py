@@ -1,8 +1,8 @@
 """The static brittle model."""
 
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Outcome, Problem, State
 
 

@@ -8,7 +8,7 @@ from sidmacib.answers.structure import CRUSHING, StaticAnswer, bond_fails, stati
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads
 from sidmacib.mechanics.equilibrium import motion_of
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
-from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.static import static_first_failure
 from sidmacib.problem import AT_THE_LOAD, MECHANISM, Failures, Outcome, Problem, State
 from sidmacib.structure.analysis.tilt import PRECISION, load_of_tilt
 

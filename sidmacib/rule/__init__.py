@@ -1,1 +1,319 @@
-"""Capacity of a joint by the first-failure law and the safe rule; the number of working locks."""
+"""The first-failure law of a joint, and the safe rule for design.
+
+The static model finds the load at which a bonded face reaches its strength, with the history of
+friction, on the coarsest nodes that represent all stresses of a rigid lock: Lobatto points, which
+integrate linear stresses exactly. Up to this load it makes no difference how bonds fail.
+
+``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is that of a
+joint whose strengths are divided by `SAFETY`, less the change on a finer mesh, and at most that of
+``law`` divided by `PATH`. Both refuse joints outside `SPANS`, the tested ranges of the groups
+that the answer depends on. `make attack` searches inside them for the joint with the highest
+safe load relative to its first failure.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.pieces import assemble, lock_faces
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads, self_weight
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.mechanics.rigid import RigidSolver
+from sidmacib.mechanics.solution import FirstFailure, Mode, Solver
+from sidmacib.mechanics.static import first_failure_of, solver_of
+from sidmacib.rule.pairs import bearing_pairs
+from sidmacib.validation import refused, require_positive
+
+# Cells along the shorter side of a lock. Two, so that dry faces may open in part; more show how far
+# a load depends on them. Elastic blocks cost more, and three nodes a side represent their bending.
+COARSE, FINE = 2, 4
+FINEST = 6  # for dry faces so stiff that four cells may not be enough
+ELASTIC, FINE_ELASTIC = 1, 2
+SAFETY, SAFETY_ELASTIC = 1.06, 1.12  # on strengths, and on a load at which a joint slides or rocks
+PATH = 1.01  # on a load that strengths hardly matter to: by 0.3 % it depends on the increments
+NOTHING = 1e-6  # over the strength of a lock: a load that is none
+STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
+STIFFER = 10.0  # than this: the safe rule looks at a third mesh
+SPANS = {
+    "locks": (2.0, 31.0),
+    "a / b": (0.5, 12.0),
+    "h / b": (0.06, 2.0),
+    "H / b": (0.3, 6.0),
+    "shear over normal stiffness of inner faces": (0.003, 3.0),
+    "normal stiffness of dry over inner faces": (0.0005, 30.0),
+    "shear over normal stiffness of dry faces": (0.1, 10.0),
+    STIFF: (0.0, 30.0),
+    "friction": (0.0, 0.8),
+    "tensile strength over cohesion": (0.2, 50.0),
+    "weight of the upper block per area over cohesion": (0.0, 1.0),
+    "force on top per area over cohesion": (0.0, 10.0),
+    "locks of elastic blocks": (0.0, 15.0),
+    "E / (Kn b)": (5.0, math.inf),  # rigid pieces have inf
+    "Poisson's ratio": (0.0, 0.4),
+}
+STRETCH = 1e-9  # by which a span may be exceeded, for rounding
+
+MOVES = {
+    Mode.MECHANISM: "slides before a bond fails",
+    Mode.ROCKING: "rocks before a bond fails",
+}
+
+
+@dataclass(frozen=True)
+class JointFailure:
+    """The state of a joint at its first failure, lock by lock.
+
+    ``load``: along the direction of loading, N. ``mode``: whether a bond fails there, or the joint
+    slides or rocks before one does. ``force_x``, ``force_y`` in N and ``torque`` in
+    N m, across each root on the piece above it, shape (n,). ``utilisation``: largest stress over
+    strength at each root, shape (n,), all below 1 where a cut between columns fails first.
+    """
+
+    load: float
+    mode: Mode
+    force_x: Floats
+    force_y: Floats
+    torque: Floats
+    utilisation: Floats
+
+
+@lru_cache(maxsize=256)  # law, safe rule and explorer need the same results
+def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> JointFailure:
+    """The state in which the first face of ``joint`` reaches its strength, or the joint moves away.
+
+    ``cells``: along the shorter side of a lock; None for the least that suffice. ValueError for
+    joints that the law does not cover: fewer than two locks, locks that differ, joined columns,
+    bonds with friction or without strength. `CapacityError` if no pair of locks bears, or if
+    permanent loads alone make the joint fail.
+    """
+    _require_row(joint)
+    if not bearing_pairs(joint, loading.push):
+        raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
+    cells = cells or (COARSE if joint.elastic is None else ELASTIC)
+    assembly = _cut(joint, cells)
+    loads = lateral_load(joint, assembly, loading)
+    if joint.elastic is None:
+        solver: Solver = _rigid(joint, cells).under(loads)
+    else:
+        solver = solver_of(assembly, loads)
+    failure = first_failure_of(solver, loads.scale)
+    if not failure.point.load > NOTHING * loads.scale:
+        raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
+    return _state(joint, assembly, solver.contact_law, failure)
+
+
+def weakened(joint: Joint, margin: float) -> Joint:
+    """``joint`` with all its strengths divided by ``margin``."""
+    inner = joint.inner
+    weak = replace(
+        inner,
+        cohesion=inner.cohesion / margin,
+        tensile_strength=inner.tensile_strength / margin,
+    )
+    return replace(joint, inner=weak)
+
+
+@lru_cache(maxsize=8)  # a curve asks for many directions of one joint
+def _cut(joint: Joint, cells: int) -> Assembly:
+    """The pieces of ``joint`` with that many ``cells`` along the shorter side of a lock.
+
+    And half of them, at least, along its height, on which first failures may hang as well.
+    """
+    return assemble(joint, joint.least_side / cells, least=max(1, cells // 2))
+
+
+@lru_cache(maxsize=8)
+def _rigid(joint: Joint, cells: int) -> RigidSolver:
+    """A solver of `_cut`, with any loads."""
+    assembly = _cut(joint, cells)
+    weight = self_weight(assembly.pieces)
+    return RigidSolver(assembly, Loads(weight, np.zeros_like(weight), 1.0))
+
+
+def _state(
+    joint: Joint, assembly: Assembly, contact_law: ContactLaw, failure: FirstFailure
+) -> JointFailure:
+    """Forces and utilisation of the roots of ``joint`` at its ``failure``."""
+    point, nodes, roots = failure.point, assembly.nodes, lock_faces(joint)
+    of_nodes = utilisation(contact_law, point.state, point.force)
+    start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
+    of_faces = np.maximum.reduceat(of_nodes, start)
+    force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))
+    middle = np.array([face.middle for face in assembly.faces])
+    arm = nodes.position - middle[nodes.face]
+    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+    x, y, turned = (np.add.reduceat(each, start) for each in (force[:, 0], force[:, 1], torque))
+    locks = {roots[face.name]: i for i, face in enumerate(assembly.faces) if face.name in roots}
+    order = [locks[lock] for lock in joint.numbers]
+    forces = x[order], y[order], turned[order]
+    return JointFailure(float(point.load), failure.mode, *forces, of_faces[order])
+
+
+def _require_row(joint: Joint) -> None:
+    """ValueError if the law does not cover ``joint``."""
+    bond = joint.inner
+    faults = (
+        (joint.locks < 2, "locks", joint.locks, "at least 2"),
+        (bool(joint.different), "different", "locks that differ", "none"),
+        (joint.upper_body is UpperBody.JOINED, "upper_body", "joined", "columns or monolithic"),
+        (bond.friction > 0.0, "inner.friction", f"{bond.friction:g}", "0"),
+        (bond.bond_friction > 0.0, "inner.bond_friction", f"{bond.bond_friction:g}", "0"),
+        (bond.cohesion == 0.0, "inner.cohesion", 0, "more than 0"),
+        (bond.tensile_strength == 0.0, "inner.tensile_strength", 0, "more than 0"),
+    )
+    for wrong, name, value, allowed in faults:
+        if wrong:
+            raise ValueError(f"{name}: must be {allowed} for the law (got {value})")
+
+
+@dataclass(frozen=True)
+class LawCapacity:
+    """A load along its direction (N), its shear V (N) and its torque M (N m).
+
+    ``mode``: whether bonds fail first, or the joint slides or rocks before they do.
+    """
+
+    load: float
+    shear: float
+    torque: float
+    mode: Mode = Mode.BONDS
+
+    @property
+    def moves(self) -> str:
+        """How the joint moves away before a bond fails; empty where a bond fails first."""
+        return MOVES.get(self.mode, "")
+
+
+def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
+    """The load at which ``joint`` first fails, by the static model on coarse nodes.
+
+    ValueError outside `SPANS`; errors of `sidmacib.rule.first_failure`.
+    """
+    require_covered(joint)
+    found = first_failure(joint, Loading(direction, push=push))
+    return capacity_of(joint, direction, found.load, found.mode)
+
+
+def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
+    """A load that ``joint`` carries, for design.
+
+    The first failure of the joint with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The
+    margin is on strengths, as where weight or a force holds a joint down a small loss of strength
+    may cost much of the load. Where the joint slides or rocks first, the load is divided too.
+
+    It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
+    stiff as roots. The difference between the highest and the lowest is subtracted from the lowest.
+    Where friction or weight decides, a loss of strength changes little: so it is at most the load
+    of `law` divided by `PATH`.
+
+    Errors of `law`. `CapacityError` too if the meshes differ too much.
+    """
+    loads, modes = weak_failures(joint, direction, push)
+    most = law(joint, direction, push).load / PATH
+    least = below_meshes(loads)
+    if least <= 0.0:
+        raise CapacityError(
+            f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
+            f"{max(loads):.4g} N; use the static model"
+        )
+    return capacity_of(joint, direction, min(least, most), modes[loads.index(min(loads))])
+
+
+def below_meshes(loads: Sequence[float]) -> float:
+    """The lowest of the ``loads`` (N) on some meshes, less what they differ by."""
+    return min(loads) - (max(loads) - min(loads))
+
+
+def weak_failures(
+    joint: Joint, direction: Direction, push: Push = Push.PLUS_Y
+) -> tuple[list[float], list[Mode]]:
+    """Loads (N) with the margin of the safe rule on each of its meshes, and how the joint fails.
+
+    Errors of `law`.
+    """
+    require_covered(joint)
+    found = [_weak_failure(joint, direction, push, cells) for cells in _meshes(joint)]
+    return [load for load, _ in found], [mode for _, mode in found]
+
+
+def at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> float:
+    """An upper bound of the safe load (N), in less time than it takes; errors of `law`."""
+    require_covered(joint)
+    return _weak_failure(joint, direction, push, _meshes(joint)[0])[0]
+
+
+def _weak_failure(joint: Joint, direction: Direction, push: Push, cells: int) -> tuple[float, Mode]:
+    """The load (N) with the margin of the safe rule, and how the joint fails there."""
+    margin = margin_of(joint)
+    found = first_failure(weakened(joint, margin), Loading(direction, push=push), cells)
+    return found.load if found.mode is Mode.BONDS else found.load / margin, found.mode
+
+
+def margin_of(joint: Joint) -> float:
+    """What the safe rule divides the strengths of ``joint`` by."""
+    return SAFETY if joint.elastic is None else SAFETY_ELASTIC
+
+
+def _meshes(joint: Joint) -> tuple[int, ...]:
+    if joint.elastic is not None:
+        return ELASTIC, FINE_ELASTIC
+    return (COARSE, FINE, FINEST) if spans_of(joint)[STIFF] > STIFFER else (COARSE, FINE)
+
+
+def spans_of(joint: Joint) -> dict[str, float]:
+    """The dimensionless groups of ``joint``, in the order of `SPANS`."""
+    inner, dry, block = joint.inner, joint.dry, joint.elastic
+    require_positive(cohesion=inner.cohesion)
+    top = joint.a * joint.total_width
+    values = (
+        joint.locks,
+        *(size / joint.b for size in (joint.a, joint.h, joint.H)),
+        inner.shear_stiffness / inner.normal_stiffness,
+        dry.normal_stiffness / inner.normal_stiffness,
+        dry.shear_stiffness / dry.normal_stiffness,
+        dry.normal_stiffness * joint.h / (inner.shear_stiffness * joint.b),
+        dry.friction,
+        inner.tensile_strength / inner.cohesion,
+        joint.density * GRAVITY * (joint.h + joint.H) / inner.cohesion,
+        (joint.pressing_force or 0.0) / (top * inner.cohesion),
+        joint.locks if block else 0,
+        joint.stiffness_ratio,
+        block.poisson if block else 0.0,
+    )
+    return dict(zip(SPANS, map(float, values), strict=True))
+
+
+def require_covered(joint: Joint) -> None:
+    """ValueError if ``joint`` lies outside `SPANS`."""
+    for name, value in spans_of(joint).items():
+        low, high = SPANS[name]
+        if not low * (1.0 - STRETCH) <= value <= high * (1.0 + STRETCH):
+            allowed = (
+                f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
+            )
+            raise refused(
+                name,
+                _short(value),
+                f"{allowed}, where the rule was tested; else use the static model",
+            )
+
+
+def _short(value: float) -> float:
+    short = float(f"{value:.4g}")
+    return int(short) if short.is_integer() else short
+
+
+def capacity_of(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:
+    """A ``load`` (N) along ``direction`` as shear and torque."""
+    return LawCapacity(load, load * direction.shear, load * direction.torque * joint.a, mode)
+
+
+RULES = {"law": law, "safe": safe}  # by the names of their models in studies

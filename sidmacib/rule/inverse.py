@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
-from sidmacib.rule.law import SPANS
+from sidmacib.rule import SPANS
 from sidmacib.rule.reliability import DESIGN_VALUES, Reliability, at_most_resists, design_resistance
 from sidmacib.validation import refused, require_not_negative
 

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.validation import refused, require_not_negative, require_positive, require_whole
 

@@ -21,11 +21,11 @@ from scipy.optimize import brentq
 from scipy.stats import norm
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule.law import (
+from sidmacib.rule import (
     JointFailure,
     LawCapacity,
     at_most,

@@ -7,7 +7,7 @@ from typing import Any
 
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.problem import Outcome, Problem
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 from sidmacib.scene.loads import arrows_of
 from sidmacib.scene.sections import Reaction, forces_of, reactions, thrust
 from sidmacib.structure.analysis.rows import (

@@ -11,7 +11,7 @@ from trimesh.remesh import subdivide_to_size
 
 from sidmacib.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.rounding import four_digits
+from sidmacib.quantities import four_digits
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.sections import row_point
 from sidmacib.structure.analysis.rows import NEXT_TO_NOTHING, InterfaceRow

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from sidmacib.build.solids import Solid, solids
+from sidmacib.build import Solid, solids
 from sidmacib.build.views import edge_vertices
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon

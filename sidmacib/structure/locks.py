@@ -12,10 +12,10 @@ from itertools import accumulate
 import numpy as np
 import shapely
 
-from sidmacib.contact_points.options import OPTIONS, ContactOption
-from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER, HoldDown
+from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.joint import DRY, FIXED_PLATE, INNER, HoldDown
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
-from sidmacib.rule.law import RULES
+from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.cutting import Plane, clipped, cut, require_convex, sides
 from sidmacib.structure.interfaces import Interface
@@ -73,7 +73,7 @@ class Condensed:
     """Contact points of SiDMACIB in place of locks.
 
     ``working``: how many locks work, `ALL` or fewer. ``option``: where the points are. ``rule``: a
-    name in `sidmacib.rule.law.RULES`, of the rule whose V and M limit the resultant of the points'
+    name in `sidmacib.rule.RULES`, of the rule whose V and M limit the resultant of the points'
     forces, for a joint that is held down by ``hold_down``. By default `SAFE`, which stays lowest
     beside locks that are cut out: for 3 to 9 of them 0.85 to 1.04 of their first failure, where
     (n - 1) / 2 working locks are 0.98 to 1.06 and all of them 2.1 to 2.9.

@@ -16,11 +16,11 @@ import shapely
 from scipy.spatial import ConvexHull
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.polygons import ResultantLimits
-from sidmacib.rule.law import RULES, LawCapacity
+from sidmacib.rule import RULES, LawCapacity
 from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.locks import Row
 from sidmacib.validation import refused

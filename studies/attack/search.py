@@ -23,12 +23,12 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, Hold, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint import Direction, Hold, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
-from sidmacib.mechanics.static.lowest_peak import lowest_peak
-from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.rule.law import SPANS, safe
+from sidmacib.mechanics.static import static_first_failure
+from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.rule import SPANS, safe
 from studies.markdown import markdown
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to
@@ -215,14 +215,10 @@ def search(space: Space, seed: int, evaluations: int) -> Attack:
         polish=False,
         rng=np.random.default_rng([seed, SPACES.index(space)]),  # a separate one for each space
     )
-    _to_the_limits(ratios)
-    return ratios
-
-
-def _to_the_limits(ratios: Attack) -> None:
-    """Put the worst joint on the limits of the ranges, one after the other, where it gets worse."""
+    # The worst joint on the limits of the ranges, one after the other, where it gets worse.
     for dimension, end in itertools.product(range(DIMENSIONS), (0.0, 1.0)):
         ratios([*ratios.place[:dimension], end, *ratios.place[dimension + 1 :]])
+    return ratios
 
 
 def row_of(worst: Attack) -> dict[str, Any]:

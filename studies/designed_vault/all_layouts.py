@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from sidmacib.design import LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.direction import RowSearch
-from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import DesignProblem, LoadCase, Site
-from sidmacib.joint.joint import DRY, INNER
+from sidmacib.joint import DRY, INNER
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, box

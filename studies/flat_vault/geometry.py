@@ -29,14 +29,12 @@ FRICTION = 0.6
 DENSITY = 2000  # kg/m3
 
 
-def description(
-    blocks: int, lean: float = LEAN, friction: float = FRICTION, kerb: float = KERB
-) -> dict[str, Any]:
+def description(blocks: int, friction: float = FRICTION) -> dict[str, Any]:
     """The vault of so many blocks along either side, loaded downwards at its middle block."""
     middle = blocks // 2
     at = _rounded((middle + 0.5) * SIDE, (middle + 0.5) * SIDE, THICKNESS)
     return {
-        "blocks": dict((*_walls(blocks, kerb), *_blocks(blocks, lean), *_kerb(blocks, lean, kerb))),
+        "blocks": dict((*_walls(blocks), *_blocks(blocks), *_kerb(blocks))),
         "interfaces": {"friction": friction},
         "load": {
             "force": {"block": name(middle, middle), "at": at, "direction": [0, 0, -1]},
@@ -54,11 +52,11 @@ def _out(column: int, row: int) -> int:
     return 1 if (column + row) % 2 == 0 else -1
 
 
-def _blocks(count: int, lean: float) -> Iterator[tuple[str, dict[str, Any]]]:
+def _blocks(count: int) -> Iterator[tuple[str, dict[str, Any]]]:
     faces = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
     for column in range(count):
         for row in range(count):
-            out = _out(column, row) * lean * THICKNESS
+            out = _out(column, row) * LEAN * THICKNESS
             vertices = []
             for height, over in ((0.0, 0.0), (THICKNESS, out)):
                 left, right = column * SIDE - over, (column + 1) * SIDE + over
@@ -79,7 +77,7 @@ def _sides(count: int) -> tuple[tuple[str, bool, float, float], ...]:
     )
 
 
-def _kerb(count: int, lean: float, width: float) -> Iterator[tuple[str, dict[str, Any]]]:
+def _kerb(count: int) -> Iterator[tuple[str, dict[str, Any]]]:
     """A stone along each outer side of a block."""
     for side, along_x, start, outwards in _sides(count):
         for number in range(count):
@@ -87,9 +85,9 @@ def _kerb(count: int, lean: float, width: float) -> Iterator[tuple[str, dict[str
             out = _out(edge, number) if along_x else -_out(number, edge)
             outline = [
                 (start, 0.0),
-                (start + outwards * width, 0.0),
-                (start + outwards * width, THICKNESS),
-                (start + outwards * out * lean * THICKNESS, THICKNESS),
+                (start + outwards * KERB, 0.0),
+                (start + outwards * KERB, THICKNESS),
+                (start + outwards * out * LEAN * THICKNESS, THICKNESS),
             ]
             low = number * SIDE
             points = [_rounded(p, low, z) if along_x else _rounded(low, p, z) for p, z in outline]
@@ -97,10 +95,10 @@ def _kerb(count: int, lean: float, width: float) -> Iterator[tuple[str, dict[str
             yield f"{side}{number + 1}", {"outline": points, "along": along, "density": DENSITY}
 
 
-def _walls(count: int, width: float) -> Iterator[tuple[str, dict[str, Any]]]:
+def _walls(count: int) -> Iterator[tuple[str, dict[str, Any]]]:
     """A fixed wall below each row of kerb stones."""
     for side, along_x, start, outwards in _sides(count):
-        across = sorted((start, start + outwards * width))
+        across = sorted((start, start + outwards * KERB))
         length = [0.0, count * SIDE]
         (x, to_x), (y, to_y) = (across, length) if along_x else (length, across)
         low, high = _rounded(x, y, -WALL), _rounded(to_x, to_y, 0.0)

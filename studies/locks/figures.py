@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from analysis.drawing.labels import rule_name
+from analysis.drawing import rule_name
 from analysis.figures import style
 from sidmacib.rule.pairs import Pairs
 from studies.locks.tables import JOINT, POINTS, brittle_odd_joints, known, rule_errors

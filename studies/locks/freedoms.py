@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.mechanics.assembly import Floats
 from studies.locks.tables import POINTS, brittle_odd_joints, by_locks, unit_loads
 from workflow.results.tables import Table, read_table, write_table

@@ -7,9 +7,9 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction, HoldDown, Joint, UpperBody
+from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading
-from sidmacib.rule.law import RULES, first_failure
+from sidmacib.rule import RULES, first_failure
 from sidmacib.rule.pairs import pairs_of
 from workflow.sampling import SampledJoint, joints_of
 from workflow.step import Arguments, Files, step

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from sidmacib.models import REFERENCE_MODEL
 from studies.locks.freedoms import FREEDOMS
 from studies.locks.tables import BONDS, INTERACTION, LAW, POINTS, RULE_ERRORS

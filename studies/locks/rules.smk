@@ -84,7 +84,7 @@ rule sensitivity:
     group:
         "tables"
     params:
-        sampling=lambda wildcards: plain(next(iter(STUDY.samplings.values())).sampling()),
+        sampling=lambda wildcards: next(iter(STUDY.samplings.values())).parameters(),
         base=lambda wildcards: plain(STUDY.base_joint),
         code=code("studies.locks.variation"),
     message:

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Failure, Floats
 from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
 from workflow.step import Arguments, Files, step

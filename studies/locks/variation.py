@@ -14,14 +14,15 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.rule.law import first_failure, law
+from sidmacib.rule import first_failure, law
 from sidmacib.rule.reliability import FIFTH_PERCENTILE, scatter
 from sidmacib.validation import dataclass_from
 from workflow.results.tables import Table, write_table
-from workflow.sampling import Sampling, with_ratios
+from workflow.sampling import with_ratios
+from workflow.schema.sections import SamplingSection
 from workflow.step import Arguments, Files, step
 
 SENSITIVITY_LOCKS = (5, 9)
@@ -69,7 +70,7 @@ ASSUMED_SIZES = Table(
 )
 
 
-def sensitivity_table(sampling: Sampling, base: Joint, draws: int = DRAWS) -> pd.DataFrame:
+def sensitivity_table(sampling: SamplingSection, base: Joint, draws: int = DRAWS) -> pd.DataFrame:
     """First-order and total index of each parameter, spread as in ``sampling``, for both bodies.
 
     ``friction`` is spread evenly from none to the most, the others in their logarithm.
@@ -120,7 +121,7 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
-    sampling = dataclass_from(Sampling, arguments["sampling"])
+    sampling = SamplingSection.model_validate_json(arguments["sampling"])
     base = dataclass_from(Joint, arguments["base"])
     write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])
 

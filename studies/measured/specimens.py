@@ -17,7 +17,7 @@ from typing import NamedTuple
 import pandas as pd
 from scipy.stats import norm
 
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.rule.reliability import scatter
 from studies.markdown import direction as named
@@ -61,12 +61,8 @@ def specimens(difference: float, deviation: float) -> int:
     return max(LEAST, math.ceil(needed**2))
 
 
-def specimens_table() -> pd.DataFrame:
-    """A row for each number of locks and eccentricity."""
-    return pd.DataFrame(_rows(), columns=list(SPECIMENS.columns))
-
-
-def _rows() -> Iterator[tuple[float, ...]]:
+def rows() -> Iterator[tuple[float, ...]]:
+    """A row of `SPECIMENS` for each number of locks and eccentricity."""
     for locks in LOCKS:
         for ratio in RATIOS:
             loads = {n: _loads(n, Direction(ratio)) for n in (REFERENCE_LOCKS, locks)}
@@ -115,7 +111,7 @@ def main() -> None:
     parser.add_argument("table", type=Path)
     path = parser.parse_args().table
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_table(SPECIMENS, specimens_table(), path)
+    write_table(SPECIMENS, pd.DataFrame(rows(), columns=list(SPECIMENS.columns)), path)
     print(f"Table: {path}")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.calibration.candidates import PEAK_AIM, WEIGHT_AIM, read_as_degrees
-from analysis.drawing.labels import label_of
+from analysis.drawing import label_of
 from analysis.published import (
     PublishedLine,
     PublishedSamples,
@@ -17,7 +17,7 @@ from analysis.published import (
     read_published,
 )
 from analysis.summary.summary import leading_models
-from sidmacib.joint.joint import Direction
+from sidmacib.joint import Direction
 from sidmacib.models import REFERENCE_MODEL
 from studies.markdown import direction, markdown, markdown_of, percent, signed, size, span, table_in
 from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS

@@ -20,19 +20,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from PIL import Image, ImageSequence
 
-from analysis.drawing.boxes import MM
+from analysis.drawing import MM
 from analysis.vtk import displacements
-from sidmacib.build.solids import Clearance, Solid, solids
-from sidmacib.build.sources import joint_blocks
+from sidmacib.build import Clearance, Solid, joint_blocks, solids
 from sidmacib.build.views import view
 from sidmacib.drawing import BLACK, BLUE, GREY, ORANGE, VERMILION
-from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.peaks import after_peak
 from workflow.configuration import read_study_file
 
 CHECKOUT = Path(__file__).parents[2]

@@ -26,7 +26,7 @@ from campaigns.counts import ROOT, asked, write_counts
 from tables import tables_of
 
 from sidmacib.engines.scripts.records import RESULT
-from workflow.results.record import RECORD
+from workflow.results import RECORD
 
 STUDY = {
     "samples": {"n3": {"locks": 3}},

@@ -36,8 +36,8 @@ from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
 from workflow.case import JointCase
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.results import record_of
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import record_of
 from workflow.threedec import read_returned
 
 PUBLISHED: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text())

@@ -25,7 +25,7 @@ from cosmic_ray.mutating import mutate_and_test
 from cosmic_ray.work_db import WorkDB, use_db
 from cosmic_ray.work_item import MutationSpec, TestOutcome
 
-READERS = ("workflow/results/record.py", "workflow/threedec.py")
+READERS = ("workflow/results/__init__.py", "workflow/threedec.py")
 EVERYDAY = "not engine and not study and not machine"
 TYPES = "BitOr"  # float | None: no tests are for those
 SLOWER = 5.0  # with a fault than without: the tests are taken to hang, which is noticed

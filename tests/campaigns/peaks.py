@@ -13,7 +13,7 @@ import numpy as np
 
 from sidmacib.answers.structure import static_answer
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import refined

@@ -3,13 +3,13 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sidmacib.joint.weights import LockWeight, lock_weights
+from sidmacib.joint.pieces import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Outcome
-from sidmacib.rounding import clean, rounded
+from sidmacib.quantities import clean, rounded
 from workflow.case import JointCase
-from workflow.results.record import Record
+from workflow.results import Record
 
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 NOISE_OF_BALANCE = 1e-12
@@ -77,8 +77,7 @@ def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
         name: clean(getattr(each, name), NOISE)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio")
     }
-    forces: dict[str, Any] = {name: clean(getattr(each, name), NOISE * strength) for name in FORCES}
+    forces: dict[str, Any] = {
+        name: clean(getattr(each, name), NOISE * strength) for name in ("shear_x_N", "shear_y_N")
+    }
     return replace(each, **shares, **forces)
-
-
-FORCES = ("shear_x_N", "shear_y_N")

@@ -5,7 +5,7 @@ from sidmacib.engines.render import sources
 from sidmacib.models import MODELS
 from workflow.case import JointSubject, StructureSubject
 from workflow.jobs import engine_resources, solved_resources
-from workflow.results.record import BATCH_RECORDS, RECORD
+from workflow.results import BATCH_RECORDS, RECORD
 from workflow.threedec import DECK, deck_folder
 
 
@@ -83,12 +83,12 @@ rule engine:
         time_limit=TIME_LIMIT,
     params:
         case=lambda wildcards: engine_case(wildcards).to_json(),
-        code=lambda wildcards: code("workflow.steps.engine", *engine_sources(wildcards)),
+        code=lambda wildcards: code("workflow.engine", *engine_sources(wildcards)),
         versions=lambda wildcards: engine_of(wildcards).versions(),
     message:
         "{wildcards.job}"
     script:
-        "../steps/engine.py"
+        "../engine.py"
 
 
 rule solve:
@@ -109,11 +109,11 @@ rule solve:
     params:
         cases=lambda wildcards: [case.to_json() for case in batch(wildcards)],
         module=module_of,
-        code=lambda wildcards: code("workflow.steps.solve", batch_modules(wildcards)),
+        code=lambda wildcards: code("workflow.solve", batch_modules(wildcards)),
     message:
         "{wildcards.job}"
     script:
-        "../steps/solve.py"
+        "../solve.py"
 
 
 rule returned:
@@ -195,8 +195,8 @@ if STUDY.samples:
             case=one_of(case for _, case in BATCH_OF),
         params:
             case=lambda wildcards: BATCH_OF[wildcards.model, wildcards.case].to_json(),
-            code=code("workflow.steps.solve", JointSubject.modules),
+            code=code("workflow.solve", JointSubject.modules),
         message:
             "{wildcards.model}: files of {wildcards.case}"
         script:
-            "../steps/solve.py"
+            "../solve.py"

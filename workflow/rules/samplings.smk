@@ -37,7 +37,7 @@ def plain(value):
 
 JOINTS_OF_BATCH = {  # parameters of a step for the joints of a batch
     "name": lambda wildcards: wildcards.sampling,
-    "sampling": lambda wildcards: plain(sampling_of(wildcards).sampling()),
+    "sampling": lambda wildcards: sampling_of(wildcards).parameters(),
     "base": lambda wildcards: plain(STUDY.base_joint),
     "start": first_joint,
     "stop": joint_after,
@@ -64,11 +64,11 @@ rule sampling:
         **JOINTS_OF_BATCH,
         cells=lambda wildcards: sampling_of(wildcards).cells,
         limited=lambda wildcards: sampling_of(wildcards).limited,
-        code=code("workflow.steps.sampling", JointSubject.modules),
+        code=code("workflow.sampling", JointSubject.modules),
     message:
         "sampling: {wildcards.sampling}-{wildcards.batch}"
     script:
-        "../steps/sampling.py"
+        "../sampling.py"
 
 
 rule samplings:
@@ -81,8 +81,8 @@ rule samplings:
     group:
         "tables"
     params:
-        code=code("workflow.steps.sampling"),
+        code=code("workflow.sampling"),
     message:
         "Join the batches of the samplings"
     script:
-        "../../workflow/steps/sampling.py"
+        "../sampling.py"

@@ -1,8 +1,286 @@
-"""The configuration's schema, one module per section: keys, units, ranges and defaults.
+"""The keys of a study: units, ranges and defaults; here the whole, measured loads and structures.
 
 It names no model; `workflow.consistency` checks the abilities of models.
 """
 
-from workflow.schema.study import Study
+import importlib
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Self
 
-__all__ = ["Study"]
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+
+from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import Elastic, NodeLayout
+from sidmacib.quantities import FORMULA, Length, Number, one_of, shown
+from sidmacib.reading import Section, Some, Text
+from workflow.case import REFERENCE
+from workflow.schema.sections import (
+    AssemblySection,
+    CalibrationSection,
+    DemSection,
+    GeometrySection,
+    MaterialsSection,
+    NumericsChanges,
+    PartSection,
+    Pieces,
+    SampleSection,
+    SamplingSection,
+    SidmacibSection,
+    VariantSection,
+)
+from workflow.schema.values import Eccentricities, Eccentricity, Folder, Lengths, Name, Positive
+
+STUDIES = Path(__file__).parents[2] / "studies"
+
+
+Campaign = Annotated[str, one_of(sorted(path.parent.name for path in STUDIES.glob("*/rules.smk")))]
+LONGEST = 500  # letters of a source
+LOAD, CASES, PERMANENT = "load", "load_cases", "permanent"  # keys of a description
+FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a reference there
+# What the tables of all models depend on; the engines' numerics are not part of it. With further
+# sections it is a study still.
+_TABLES = (
+    *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
+    *("models", "sidmacib"),
+)
+
+
+def required_sections(name: str) -> tuple[str, ...]:
+    """Sections of the configuration that the campaign ``name`` requires."""
+    package = importlib.import_module(f"studies.{name}")
+    return tuple(getattr(package, "REQUIRED_SECTIONS", ()))
+
+
+def words(value: Any) -> str:
+    """Text in one line."""
+    text = " ".join(value.split()) if isinstance(value, str) else ""
+    if not text or len(text) > LONGEST or not text.isprintable():
+        raise ValueError(
+            f"{shown(value)} is not allowed; it must be text of at most {LONGEST} letters"
+        )
+    return text
+
+
+def cell(value: Any) -> str:
+    """Text in one line that no spreadsheet takes for a formula."""
+    text = words(value)
+    if text.startswith(FORMULA):
+        raise ValueError(
+            f"{shown(value)} is not allowed; it must not begin with {' '.join(FORMULA)}, as a "
+            "spreadsheet would take it for a formula"
+        )
+    return text
+
+
+Words = Annotated[str, BeforeValidator(words)]
+_Cell = Annotated[str, BeforeValidator(cell)]
+_Force = Annotated[float, Number(above=0, unit="N")]
+_Torque = Annotated[float, Number(above=0, unit="N m")]
+
+
+class MeasuredLoad(Section):
+    """A measured load: its shear V (N) or its torque M (N m), at an eccentricity e / a."""
+
+    sample: Name
+    eccentricity: Eccentricity
+    shear: _Force | None = None
+    torque: _Torque | None = None
+    specimen: _Cell | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        needed = "torque" if math.isinf(self.eccentricity) else "shear"
+        if needed == "shear" and self.eccentricity > 0.0 and self.shear is None:
+            needed = "torque"
+        other = {"shear": "torque", "torque": "shear"}[needed]
+        if getattr(self, needed) is None or getattr(self, other) is not None:
+            raise ValueError(
+                "one of shear (N) and torque (N m) must be given, shear alone where the "
+                "eccentricity is 0, torque alone in torsion"
+            )
+        return self
+
+    def components(self, a: float) -> tuple[float, float]:
+        """Shear (N) and torque (N m), where locks are ``a`` (m) long."""
+        if math.isinf(self.eccentricity):
+            return 0.0, self.torque or 0.0
+        arm = self.eccentricity * a
+        shear = self.shear if self.shear is not None else (self.torque or 0.0) / arm
+        return shear, shear * arm
+
+
+class MeasuredSection(Section):
+    """Measured loads of one campaign; ``source``: where they stand, ``digitised``: how read."""
+
+    source: Words
+    digitised: Words
+    loads: tuple[MeasuredLoad, ...]
+
+
+_Description = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": FILE})]
+_Changes = Annotated[dict[Text, Any], WithJsonSchema({"type": "object"})]
+_Load = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": f"{FILE}#/$defs/LoadSection"})]
+
+
+class StructureSection(Section):
+    """A structure of blocks: a ``file`` of `multilock assembly`, or its ``description`` here.
+
+    ``file``: beside the configuration. ``models``: which of the study's models and engines analyse
+    it, by default all that can. ``loads``: by name, in place of the load, or the load cases, in the
+    description. ``variants``: by name, changes to the description, where null leaves a key out;
+    they run beside the reference variant.
+    """
+
+    file: Annotated[str, Some] | None = None
+    description: _Description | None = None
+    models: tuple[str, ...] | None = None
+    loads: dict[Name, _Load] = Field(default_factory=dict)
+    variants: dict[Name, _Changes] = Field(default_factory=dict)
+
+    def described(self) -> Iterator[tuple[str, str, dict[str, object]]]:
+        """Load, variant and description of each case, whatever its model.
+
+        Loads are those of the study, or else the load cases of the description, or its load.
+        """
+        for variant, whole in self.wholes():
+            always = {key: value for key, value in whole.items() if key != CASES}
+            if self.loads:
+                for name, load in self.loads.items():
+                    yield name, variant, {**always, LOAD: load}
+            elif cases := load_cases(whole):
+                for name, case in cases.items():
+                    load = {key: value for key, value in case.items() if key != PERMANENT}
+                    own = [*always.get(PERMANENT, ()), *case.get(PERMANENT, ())]
+                    yield name, variant, {**always, LOAD: load, **({PERMANENT: own} if own else {})}
+            else:
+                yield LOAD, variant, whole
+
+    def wholes(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Each variant, and its description, with its load or load cases."""
+        assert self.description is not None, "a file is read with the configuration"
+        for variant, changes in {REFERENCE: {}, **self.variants}.items():
+            yield variant, with_changes(self.description, changes)
+
+
+def load_cases(description: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """The load cases of a ``description`` by name; none of what is not a mapping of mappings."""
+    cases = description.get(CASES)
+    if not isinstance(cases, Mapping) or not all(isinstance(v, Mapping) for v in cases.values()):
+        return {}
+    return {str(name): case for name, case in cases.items()}
+
+
+def with_changes(description: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """``description`` with ``changes``, key by key; null takes a key away."""
+    found = dict(description)
+    for key, value in changes.items():
+        before = found.get(key)
+        if value is None:
+            found.pop(key, None)
+        elif isinstance(value, Mapping) and isinstance(before, Mapping):
+            found[key] = with_changes(before, value)
+        else:
+            found[key] = value
+    return found
+
+
+class FiguresSection(Section):
+    """Mesh (m) of the stress maps, the finest if None, and their eccentricity over a."""
+
+    mesh: Length | None = None
+    eccentricity: Positive = 0.5
+
+
+class Study(Section):
+    """A whole study: joints, meshes, directions of loading, and the models that are run on them."""
+
+    results: Folder = "results"
+    samples: dict[Name, SampleSection] = Field(default_factory=dict)
+    geometry: GeometrySection = GeometrySection()
+    materials: MaterialsSection = MaterialsSection()
+    meshes: Lengths = (0.02, 0.005)
+    nodes: NodeLayout = NodeLayout.LOBATTO
+    eccentricities: Eccentricities = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)
+    assembly: AssemblySection = AssemblySection()
+    models: tuple[str, ...]
+    sidmacib: SidmacibSection = SidmacibSection()
+    dem: DemSection
+    variants: dict[Name, VariantSection] = Field(default_factory=dict)
+    overrides: dict[str, NumericsChanges] = Field(default_factory=dict)
+    calibration: CalibrationSection = CalibrationSection()
+    figures: FiguresSection = FiguresSection()
+    samplings: dict[Name, SamplingSection] = Field(default_factory=dict)
+    campaign: Campaign | None = None
+    measured: MeasuredSection | None = None
+    structures: dict[Name, StructureSection] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _of_something(self) -> Self:
+        if not self.samples and not self.structures:
+            raise ValueError("samples: missing; it must name at least one, unless structures does")
+        return self
+
+    @property
+    def model_names(self) -> tuple[str, ...]:
+        """Names of the models that the study runs: engines, then the others."""
+        return *self.dem.engines, *self.models
+
+    @property
+    def every_variant(self) -> dict[str, VariantSection]:
+        """The variants by name, the one without changes first."""
+        return {REFERENCE: VariantSection(), **self.variants}
+
+    @property
+    def interlocking(self) -> tuple[str, ...]:
+        """Names of the samples that SiDMACIB is a model of: those of at least two locks."""
+        return tuple(name for name, sample in self.samples.items() if sample.locks > 1)
+
+    def models_of(self, sample: str) -> tuple[str, ...]:
+        """Those of `model_names` that run on ``sample``."""
+        names = self.samples[sample].models
+        return tuple(name for name in self.model_names if names is None or name in names)
+
+    def whole_curve(self, sample: str, model: str) -> bool:
+        """Whether ``model`` runs ``sample`` at all meshes and eccentricities of the study."""
+        part = self.samples[sample].only.get(model, PartSection())
+        return {*self.meshes} <= {*(part.meshes or self.meshes)} and {*self.eccentricities} <= {
+            *(part.eccentricities or self.eccentricities)
+        }
+
+    @property
+    def base_joint(self) -> Joint:
+        """The properties that all joints of samplings share: width, strength and weight."""
+        return SampleSection(locks=2).joint(self.geometry, self.materials)
+
+    def joint(self, sample: str, change: VariantSection | None = None) -> Joint:
+        """The joint of ``sample``, with the changes of a variant."""
+        change = change or VariantSection()
+        assembly, inner = change.assembly(self.assembly), self.materials.inner
+        if change.fracture_energy is not None:
+            inner = inner.model_copy(update={"fracture_energy": change.fracture_energy})
+        return self.samples[sample].joint(
+            self.geometry,
+            self.materials.model_copy(update={"inner": inner}),
+            failure=assembly.failure,
+            upper_body=assembly.upper_body,
+            hold_down=assembly.hold_down,
+            elastic=Elastic(change.young or self.materials.young, self.materials.poisson)
+            if assembly.pieces is Pieces.ELASTIC
+            else None,
+        )
+
+    def part(self, *sections: str) -> str:
+        """What the tables of all models depend on, and further ``sections``, as JSON.
+
+        A valid study, of the engines' names only.
+        """
+        chosen: dict[str, Any] = dict.fromkeys((*_TABLES, *sections), True)
+        return self.model_dump_json(include={**chosen, "dem": {"engines"}})
+
+    def structures_json(self) -> str:
+        """The structures and the models that analyse them, as JSON."""
+        return self.model_dump_json(
+            include={"structures": True, "models": True, "dem": {"engines"}}
+        )

@@ -29,8 +29,8 @@ from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import element_edges, flexibility
 from sidmacib.mechanics.elastic.jumps import LooseNodes, OpenGaps, cholesky_factor, inverse_by
 from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton.equilibrium import STEPS
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
 
 GIB = 2.0**30

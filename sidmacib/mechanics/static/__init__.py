@@ -1,1 +1,376 @@
-"""The static model: the load rises until bonds fail, and on to the peak."""
+"""The static model of an assembly: equilibrium of pieces on springs that can fail.
+
+The load rises in increments, so that friction has its history. When a node reaches its strength it
+loses all of it at once, together with the nodes that fail at the same load, and a new equilibrium
+is sought at that load; if there is none, the load is the peak. A solver finds the equilibria: one
+for rigid pieces, one for elastic pieces.
+
+Pieces may also move away while all bonds are whole. To see how, the model pushes them slightly
+beyond the peak, against drag. If that lifts them against the permanent loads they rock; otherwise
+they slide, as sliding along plane faces lifts nothing.
+"""
+
+import importlib
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
+from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.rigid import RigidSolver
+from sidmacib.mechanics.solution import (
+    LEAST_INCREMENT,
+    Equilibria,
+    Equilibrium,
+    FirstFailure,
+    Mode,
+    Solver,
+    StaticSolution,
+)
+from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
+from sidmacib.validation import require_positive
+
+INCREMENT = 0.1  # largest load increment over the loads' scale,
+GROWTH = 0.01  # or over the load where that is more
+FEWEST = 8.0  # increments to the end of a path that is compared: a few agree by chance
+LEAST_REFINEMENT = 1 / 64  # the least factor on these increments
+# Change of the end of a path when increments are halved, over the load: converged. Where bonds
+# fail, and where the joint slides or rocks, which depends more on the history of friction.
+HISTORY, MOTION = 1e-3, 2.5e-4
+LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
+MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
+SOFTENING_INCREMENT = 0.02  # largest load increment of softening bonds, over the first failure
+LEAST_SOFTENING_INCREMENT = 1e-4  # over the load: precision of their peak
+MOST_DISPLACEMENT = 200.0  # over that of whole bonds, as in the engines; more is failure
+BEYOND = 0.01  # over the peak: excess of the load at which the motion of the pieces is seen
+LIFT = 1e-3  # least fraction of the motion that counts as lifting; rounding and elasticity: 1e-5
+TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
+
+
+def solver_of(assembly: Assembly, loads: Loads) -> Solver:
+    """The solver for ``assembly``: the one for elastic pieces if any free piece is elastic.
+
+    `CapacityError` for contact points in place of locks, which have no stiffness.
+    """
+    if reason := assembly.without_stiffness:
+        raise CapacityError(reason)
+    if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
+        # Imported here: finite elements take longer to import than most joints to solve.
+        elastic = importlib.import_module("sidmacib.mechanics.elastic.solver")
+        return elastic.ElasticSolver(assembly, loads)
+    return RigidSolver(assembly, loads)
+
+
+def static_first_failure(
+    assembly: Assembly, loads: Loads, *, increment: float | None = None
+) -> FirstFailure:
+    """Raise ``loads`` from 0 to the first failure of ``assembly``, on the path of `static_peak`.
+
+    ``increment``: the largest increment over the loads' scale; None: increments are halved until
+    the first failure converges, as friction depends on its history. Errors of `static_peak`, and
+    ValueError unless ``increment`` is above 0.
+    """
+    return first_failure_of(solver_of(assembly, loads), loads.scale, increment)
+
+
+def first_failure_of(solver: Solver, scale: float, increment: float | None = None) -> FirstFailure:
+    """`static_first_failure` by a ``solver`` that is there; ``scale``: of its loads, in N."""
+    if increment is None:
+        path, failing, _ = _to_first_failure(solver, scale)
+    else:
+        require_positive(increment=increment)
+        path, failing = _raised(solver, [solver.start()], scale, increment / INCREMENT)
+    mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], scale)
+    return FirstFailure(path[-1], failing, mode)
+
+
+def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
+    """Raise ``loads`` from 0 to the peak of ``assembly``, on a single path.
+
+    `sidmacib.mechanics.static.peaks` looks for lower ones.
+
+    Raises `NoEquilibriumError` if there is no equilibrium under the permanent loads,
+    `UnboundedError` if the assembly carries any load.
+    """
+    solver = solver_of(assembly, loads)
+    if assembly.failure is not Failure.BRITTLE:
+        return _softened(solver, Softening.of(assembly), loads.scale)
+    return peak_of(solver, loads.scale)
+
+
+def peak_of(solver: Solver, scale: float) -> StaticSolution:
+    """`static_peak` of brittle bonds by a ``solver`` that is there; ``scale``: of its loads, N."""
+    return _solution(solver, scale, brittle_path(solver, scale))
+
+
+def another_peak(
+    solver: Solver, searches: Equilibria, scale: float, other: StaticSolution
+) -> StaticSolution:
+    """A path like that of ``other`` up to the first failure, and by ``searches`` from there.
+
+    ``solver``: that of ``other``; ``searches``: it, or one that finds other equilibria of the same
+    assembly. Where no equilibrium followed in ``other``, with the same bonds left, searches are not
+    thorough. Errors of `brittle_path`.
+    """
+    last = next(i for i, at in enumerate(other.path) if at.load >= other.first_failure_load)
+    path, failing = _raised(searches, [*other.path[: last + 1]], scale, other.refinement)
+    increments = scale, LEAST_INCREMENT, other.refinement
+    found = _after_first_failure(searches, path, failing, *increments, other)
+    return replace(_solution(solver, scale, found), first_failure_load=other.first_failure_load)
+
+
+def _solution(solver: Solver, scale: float, found: "BrittlePath") -> StaticSolution:
+    mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], scale)
+    path = found.path[: found.peak + 1]
+    return StaticSolution(found.first_failure_load, path, mode, found.refinement, found.collapsed)
+
+
+@dataclass(frozen=True)
+class BrittlePath:
+    """A path on which bonds fail, until the load cannot rise.
+
+    ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
+    equilibria; those after the ``peak`` have its load, with more bonds broken. ``refinement``: a
+    factor on the increments. ``collapsed``: what was left of the bonds when no equilibrium followed
+    their failure, see `NodeState.whole`; None if the path ends otherwise.
+    """
+
+    first_failure_load: float
+    path: tuple[Equilibrium, ...]
+    refinement: float
+    collapsed: Floats | None
+
+    @property
+    def by_bonds(self) -> bool:
+        """Whether it ends as bonds fail and no equilibrium follows."""
+        return self.collapsed is not None
+
+    @property
+    def peak(self) -> int:
+        """Index of the first equilibrium at the largest load."""
+        return int(np.argmax([point.load for point in self.path]))
+
+
+def brittle_path(
+    solver: Equilibria, scale: float, precision: float = LEAST_INCREMENT
+) -> BrittlePath:
+    """Raise the load of ``solver`` from 0 until no equilibrium follows.
+
+    ``scale``: of the load, as in `Loads`; ``precision``: of the peak, over the load. Increments are
+    halved until the first failure converges. Errors of ``solver``, and `UnboundedError` if the
+    assembly carries any load.
+    """
+    path, failing, refinement = _to_first_failure(solver, scale, precision)
+    return _after_first_failure(solver, path, failing, scale, precision, refinement)
+
+
+def _after_first_failure(
+    solver: Equilibria,
+    path: list[Equilibrium],
+    failing: Flags,
+    scale: float,
+    precision: float,
+    refinement: float,
+    other: StaticSolution | None = None,
+) -> BrittlePath:
+    """``path`` to the first failure, where nodes are ``failing``, and what follows.
+
+    ``other``: another path of the same assembly, if it is known.
+    """
+    first_failure, collapsed = path[-1].load, None
+    while failing.any():
+        after, left = _redistributed(solver, path[-1], failing, other)
+        if after is None:
+            collapsed = left
+            break
+        path, failing = _raised(solver, [*path, after], scale, refinement, precision)
+    return BrittlePath(first_failure, tuple(path), refinement, collapsed)
+
+
+def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolution:
+    """`static_peak` with softening or ductile bonds: the increment is halved if a load fails."""
+    path, failing, _ = _to_first_failure(solver, scale)
+    first_failure = path[-1].load
+    if not failing.any():
+        return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], scale))
+    increment = SOFTENING_INCREMENT * first_failure
+    compliance = abs(path[-1].displacement) / first_failure
+    while increment > LEAST_SOFTENING_INCREMENT * path[-1].load:
+        low = path[-1]
+        if low.load > MOST_LOAD * scale:
+            raise UnboundedError(f"no peak up to {low.load:g} N: the load can grow without limit")
+        load = low.load + increment
+        try:
+            point = softened_equilibrium(
+                solver, softening, load, _guess(load, path, None), low.state
+            )
+        except NoEquilibriumError:
+            increment /= 2
+            continue
+        if abs(point.displacement) > MOST_DISPLACEMENT * load * compliance:
+            increment /= 2
+        else:
+            path.append(point)
+    return StaticSolution(first_failure, tuple(path), Mode.BONDS)
+
+
+def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
+    """How pieces move away beyond the peak ``point``, where no bond is at its strength."""
+    load = point.load + BEYOND * max(point.load, LEAST_LOAD * scale)
+    return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
+
+
+def _to_first_failure(
+    solver: Equilibria,
+    scale: float,
+    precision: float = LEAST_INCREMENT,
+) -> tuple[list[Equilibrium], Flags, float]:
+    """The path to the first failure, the nodes that fail there, and the refinement of increments.
+
+    Friction depends on its history, which increments follow to first order. So if contacts have
+    slipped on the path, it is compared with one of twice the increments, and these are halved until
+    the first failure no longer changes and the path has at least `FEWEST` of them. The loads at the
+    ends of two paths may agree by chance while both step over a failure, where the utilisation
+    stays near 1 over a range of loads. So their utilisations are compared as well, see `_doubted`.
+    A path on which the solver gives up before a bond fails is not used.
+    """
+    start, refinement = solver.start(), 1.0
+    path, failing = _raised(solver, [start], scale, precision=precision)
+    if not any(point.state.slip.any() for point in path):
+        return path, failing, refinement
+    coarser: list[Equilibrium] = []
+    while refinement > LEAST_REFINEMENT:
+        if refinement * INCREMENT * scale * FEWEST <= path[-1].load:
+            coarser = coarser or _raised(solver, [start], scale, 2.0, precision)[0]
+            if not _doubted(solver, coarser, path, bonds=bool(failing.any())):
+                break
+        finer, finer_failing = _raised(solver, [start], scale, refinement / 2, precision)
+        if failing.any() and not finer_failing.any():
+            break
+        coarser, path, failing, refinement = path, finer, finer_failing, refinement / 2
+    return path, failing, refinement
+
+
+def _doubted(
+    solver: Equilibria, coarser: list[Equilibrium], path: list[Equilibrium], *, bonds: bool
+) -> bool:
+    """Whether ``path`` may not end where it would with infinitely small increments.
+
+    Increments of half the size halve the error of utilisations, so that the error left on ``path``
+    is its difference from a ``coarser`` one. It is added to the utilisation of every equilibrium:
+    a failure that this puts before the end of the path was perhaps stepped over. ``bonds``: whether
+    the path ends as a bond fails.
+    """
+    if abs(coarser[-1].load - path[-1].load) > (HISTORY if bonds else MOTION) * path[-1].load:
+        return True
+    loads, used = _profile(solver, path)
+    coarser_loads, coarser_used = _profile(solver, coarser)
+    both = coarser_loads <= loads[-1]
+    change = np.abs(np.interp(coarser_loads, loads, used) - coarser_used)[both].max()
+    return bool((used[loads < (1.0 - HISTORY) * loads[-1]] + change > 1.0).any())
+
+
+def _profile(solver: Equilibria, path: list[Equilibrium]) -> tuple[Floats, Floats]:
+    """Loads (N) along ``path``, and the largest utilisation at each, both (P,)."""
+    used = [utilisation(solver.contact_law, point.state, point.force).max() for point in path]
+    return np.array([point.load for point in path]), np.array(used)
+
+
+def _raised(
+    solver: Equilibria,
+    path: list[Equilibrium],
+    scale: float,
+    refinement: float = 1.0,
+    precision: float = LEAST_INCREMENT,
+) -> tuple[list[Equilibrium], Flags]:
+    """Raise the load from the last equilibrium of ``path`` until nodes are about to fail.
+
+    ``scale``: of the loads (N); increments are fractions of it. ``refinement``: a factor on them.
+    ``precision``: the least increment over the load. Returns the path to there and the
+    nodes that fail: none if the load cannot rise further. The increment is halved where no
+    equilibrium is found, as Newton's method may fail from afar and converge from nearby, and
+    doubled again where one is. If it becomes too small, the solver is thorough from there on; a
+    load at which it then fails is not reached again.
+    """
+
+    def utilisation_at(point: Equilibrium) -> Floats:
+        return utilisation(solver.contact_law, point.state, point.force)
+
+    def least(load: float) -> float:
+        return precision * max(load, LEAST_LOAD * scale)
+
+    path, increment, thorough = list(path), refinement * INCREMENT * scale, False
+    used = utilisation_at(path[-1])
+    above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
+    used_above = used
+    lost = math.inf  # the least load at which the thorough solver found no equilibrium
+    while path[-1].load <= MOST_LOAD * scale:
+        low, most = path[-1], used.max()
+        if most >= 1.0 - LEAST_INCREMENT:
+            return path, used >= most * (1.0 - TOGETHER)
+        if above and above.load - low.load <= least(above.load):
+            return path, used_above >= 1.0
+        increment = min(increment, (lost - low.load) / 2)
+        if increment <= least(low.load + increment):
+            if thorough:
+                return path, np.zeros(len(low.force), bool)
+            thorough = True
+        load = low.load + increment
+        if above:  # where the utilisation, which is almost linear, is just below 1
+            most_above = used_above.max()
+            share = (1.0 - most) / (most_above - most) if np.isfinite(most_above) else 0.5
+            near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
+            load = min(load, max(near, low.load + least(above.load) / 2))
+        try:
+            point = solver.solve(load, _guess(load, path, above), low.state, thorough=thorough)
+        except NoEquilibriumError:
+            increment = (load - low.load) / 2
+            lost = load if thorough else lost
+            continue
+        used_here = utilisation_at(point)
+        if used_here.max() > 1.0:
+            above, used_above = point, used_here
+        else:
+            path.append(point)
+            used = used_here
+            increment = min(2 * increment, refinement * max(INCREMENT * scale, GROWTH * load))
+    raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
+
+
+def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:
+    """Unknowns at ``load``, on a line through the two nearest equilibria."""
+    low = path[-1]
+    other = above or (path[-2] if len(path) > 1 else low)
+    if other.load == low.load:
+        return low.unknowns
+    onward = (load - low.load) / (other.load - low.load)
+    return low.unknowns + onward * (other.unknowns - low.unknowns)
+
+
+def _redistributed(
+    solver: Equilibria, point: Equilibrium, failing: Flags, other: StaticSolution | None
+) -> tuple[Equilibrium | None, Floats]:
+    """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
+
+    None if there is none; and what is left of the bonds. ``other``: see `another_peak`.
+    """
+    state = point.state
+    while failing.any():
+        state = replace(state, whole=np.where(failing, 0.0, state.whole))
+        thorough = other is None or not _collapses(other, point.load, state.whole)
+        try:
+            after = solver.solve(point.load, point.unknowns, state, thorough=thorough)
+        except NoEquilibriumError:
+            return None, state.whole
+        failing = utilisation(solver.contact_law, state, after.force) > 1.0
+    return after, state.whole
+
+
+def _collapses(other: StaticSolution, load: float, whole: Floats) -> bool:
+    """Whether the ``other`` had no equilibrium near ``load`` (N) with the same bonds left."""
+    bonds, peak = other.collapsed, other.peak.load
+    near = abs(load - peak) <= HISTORY * peak
+    return bonds is not None and near and np.array_equal(whole, bonds)

@@ -10,7 +10,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.problem import Outcome, State
-from sidmacib.rounding import clean, rounded
+from sidmacib.quantities import clean, rounded
 from sidmacib.structure.analysis.forces import interface_forces
 
 NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in drawings

@@ -22,10 +22,10 @@ from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, U
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector, rotated
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
+from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.model import INCREMENT, brittle_path
+from sidmacib.mechanics.static import INCREMENT, brittle_path
 from sidmacib.structure.loads import Permanent, Tilting, free_weight
 from sidmacib.validation import refused, require_direction
 

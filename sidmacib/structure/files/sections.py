@@ -10,13 +10,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
-from sidmacib.contact_points.options import OPTIONS
-from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER, HeldDown
+from sidmacib.contact_points import OPTIONS
+from sidmacib.joint import DRY, FIXED_PLATE, INNER, HeldDown
 from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.crushing import CompressiveStrength, CrushedMaterial
 from sidmacib.quantities import Count, Length, Number, one_of, shown
 from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
-from sidmacib.rule.law import RULES
+from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.compas import DENSITIES
 from sidmacib.structure.files.file_section import FileSection

@@ -1,16 +1,19 @@
-"""The joints of a study: their sizes, materials and pieces, variants of them, and sets of many.
+"""Sections of a study: joints, variants of them, sets of many; SiDMACIB and the engines.
 
 Keys, ranges, units and defaults are those of `sidmacib.Joint`; narrower only where a study
 requires it: joints have weight, inner faces have strength, and dry faces have none.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from enum import StrEnum
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, model_validator
 
-from sidmacib.joint.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
+from sidmacib.engines.engine import Numerics
+from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.joint.parameters import SIZES
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
@@ -20,14 +23,100 @@ from sidmacib.quantities import (
     Length,
     Modulus,
     Number,
+    Part,
     Poisson,
     Share,
     Span,
+    one_of,
+    shown,
 )
 from sidmacib.reading import Section, Some, changes_to, section_of
-from workflow.sampling import Sampling
-from workflow.schema.models import NumericsChanges
 from workflow.schema.values import Eccentricities, Lengths, Name, Positive
+
+_KEYS: Any = section_of(Numerics)
+
+
+class NumericsSection(_KEYS):
+    """The keys of `Numerics`."""
+
+    def numerics(self) -> Numerics:
+        """The section as the engines take it."""
+        return Numerics(**self.model_dump())
+
+
+_CHANGES: Any = changes_to(NumericsSection)
+
+
+class NumericsChanges(_CHANGES):
+    """Changes to the numerics; None means no change."""
+
+
+class DemSection(Section):
+    """Engines by name, the longest time for one case (s), and the engines' numerics."""
+
+    engines: tuple[str, ...]
+    time_limit: Annotated[float, Number(at_least=1, at_most=1e7, unit="s")] = 3600.0
+    numerics: NumericsSection = NumericsSection()
+
+
+class OptionSection(Section):
+    """Contact points of a lock: positions over a, and shares of its strength."""
+
+    positions: Annotated[tuple[Annotated[float, Number(at_least=-0.5, at_most=0.5)], ...], Some]
+    portions: Annotated[tuple[Part, ...], Some]
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self.contact_option()
+        return self
+
+    def contact_option(self) -> ContactOption:
+        """The section as the models take it; ValueError if positions and portions do not match."""
+        return ContactOption(self.positions, self.portions)
+
+
+_READY = {
+    name: OptionSection(positions=option.positions, portions=option.portions)
+    for name, option in READY_OPTIONS.items()
+}
+
+
+def _with_ready(value: Any) -> Any:
+    """Options with those given only by name replaced by their definitions."""
+    if isinstance(value, list | tuple):
+        if twice := [name for number, name in enumerate(value) if name in value[:number]]:
+            raise ValueError(f"{shown(twice[0])} appears twice; each name must appear only once")
+        value = dict.fromkeys(map(_ready_name, value))
+    if not isinstance(value, Mapping):
+        return value
+    return {
+        name: _READY[_ready_name(name)] if option is None else option
+        for name, option in value.items()
+    }
+
+
+def _ready_name(name: Any) -> str:
+    if not isinstance(name, str) or name not in _READY:
+        raise ValueError(
+            f"{shown(name)} needs positions and portions; without them it must be one of "
+            f"{', '.join(_READY)}"
+        )
+    return name
+
+
+class SidmacibSection(Section):
+    """The overload on the upper block (N), contact points, and rules for which locks count."""
+
+    overload: Annotated[float, Number(at_least=0, unit="N")] = 1000.0
+    options: Annotated[
+        dict[Name, OptionSection],
+        Some,
+        BeforeValidator(
+            _with_ready, json_schema_input_type=list[Name] | dict[Name, OptionSection | None]
+        ),
+    ] = Field(default={name: _READY[name] for name in OPTIONS})
+    reductions: Annotated[tuple[Annotated[str, one_of(REDUCTIONS)], ...], Some] = tuple(REDUCTIONS)
+
 
 MOST_LOCKS = 101
 STIFFNESSES = ("normal_stiffness", "shear_stiffness")
@@ -198,24 +287,44 @@ MOST_JOINTS = 1_000_000
 _Count = Annotated[int, Number(at_least=1, at_most=MOST_JOINTS, whole=True)]
 _LockSpan = Annotated[tuple[int, int], Span(Number(at_least=2, at_most=MOST_LOCKS, whole=True))]
 _Cells = Annotated[tuple[int, int], Span(Number(at_least=1, at_most=8, whole=True))]
-_SAMPLING: Any = section_of(Sampling, joints=_Count, locks=_LockSpan)
+_Ratios = Annotated[tuple[float, float], Span(Number(above=0))]
 
 
-class SamplingSection(_SAMPLING):
-    """Number of joints and ranges of a sampling; see `workflow.sampling.Sampling`.
+class SamplingSection(Section):
+    """Number of joints and ranges of a sampling; ratios are spread evenly in their logarithm.
 
-    Width, strengths and normal stiffness are those of the study. ``cells``: numbers of cells along
-    the shorter side of a lock, of the two meshes. ``limited``: one in so many joints is solved by
-    limit analysis too.
+    Width, strengths and normal stiffness are those of the study. ``smooth``, ``one_piece``,
+    ``pressed``: shares of the joints without friction, with an upper body of one piece, and with a
+    given pressure on top instead of the fixed plate. ``stiffness_ratio``: E / (Kn b) of elastic
+    pieces; None: rigid pieces. ``energy_ratio``: of bonds that soften, fracture energy over the
+    energy stored at failure, tau_k^2 / (2 Ks). Half of the joints with an even number of locks are
+    pushed along -y. ``cells``: numbers of cells along the shorter side of a lock, of the two
+    meshes. ``limited``: one in so many joints is solved by limit analysis too.
     """
 
+    joints: _Count
+    seed: Annotated[int, Number(at_least=0, at_most=2**31, whole=True)] = 1
+    failure: Failure = Failure.BRITTLE
+    locks: _LockSpan = (2, 31)
+    a_over_b: _Ratios = (0.5, 3.0)
+    h_over_b: _Ratios = (0.06, 0.6)
+    H_over_b: _Ratios = (0.3, 3.0)
+    shear_over_normal: _Ratios = (0.003, 3.0)
+    dry_over_inner: _Ratios = (0.03, 30.0)
+    friction: Annotated[tuple[float, float], Span(Number(at_least=0))] = (0.0, 0.8)
+    pressure_over_cohesion: _Ratios = (0.03, 1.0)
+    stiffness_ratio: _Ratios | None = None
+    energy_ratio: _Ratios = (1.0, 1000.0)
+    smooth: Part = 0.3
+    one_piece: Part = 0.5
+    pressed: Part = 0.2
     eccentricities: Eccentricities | None = None
     cells: _Cells = (1, 2)
     limited: _Count = 16
 
-    def sampling(self) -> Sampling:
-        """The sampling, without the keys about solving its joints."""
-        return Sampling(**self.model_dump(exclude={"eccentricities", "cells", "limited"}))
+    def parameters(self) -> str:
+        """The joints, without what says how they are solved, as JSON."""
+        return self.model_dump_json(exclude={"eccentricities", "cells", "limited"})
 
 
 class CalibrationSection(Section):

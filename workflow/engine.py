@@ -16,7 +16,7 @@ from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import OUTPUTS
 from sidmacib.errors import CapacityError, ResultError
 from workflow.case import Case
-from workflow.results.record import BROKE_DOWN, CASE, Record, record_of, record_without_result
+from workflow.results import BROKE_DOWN, CASE, Record, record_of, record_without_result
 from workflow.step import Arguments, Files, KilledError, step
 
 

@@ -23,7 +23,7 @@ from sidmacib.model import Ability
 from sidmacib.models import MODELS
 from sidmacib.problem import Outcome, Problem
 from workflow.case import Case, JointCase
-from workflow.results.record import (
+from workflow.results import (
     BATCH_HISTORY,
     BATCH_NODES,
     CASE,

@@ -1,1 +1,0 @@
-"""The steps that find the cases' results; each module's ``run`` does one."""
