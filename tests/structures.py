@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from small import COARSE
 
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial
-from sidmacib.mechanics.limit import limit_load
+from sidmacib import Assembly, FaceMaterial, limit_load
 from sidmacib.models import MODELS
-from sidmacib.structure.blocks import Block
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, free_weight
+from sidmacib.structure.structure import structure
 from sidmacib.yaml_text import read_yaml
 from workflow import engine, solve
 from workflow.configuration import read_study
@@ -45,12 +46,7 @@ ONLY_STRUCTURES = {  # a trilith with bonds and without, condensed locks, and a 
     "models": ["static", "limit"],
     "dem": {"engines": []},
 }
-WITH_STRUCTURES = {
-    **ONLY_STRUCTURES,
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
-    "eccentricities": [0, 0.3],
-}
+WITH_STRUCTURES = COARSE | ONLY_STRUCTURES | {"eccentricities": [0, 0.3]}
 
 
 def solved(folder: Path, **config: Any) -> list[StructureRecord]:
@@ -76,6 +72,21 @@ def dry(friction: float) -> FaceMaterial:
     return FaceMaterial(1e10, 1e10, friction, 0.0, 0.0)
 
 
+GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
+LEANING = prism(  # falls over
+    "leaning", [(0, 0, 0), (0.4, 0, 0), (1.4, 0, 1.0), (1.0, 0, 1.0)], (0.0, 0.6, 0.0), 2e3
+)
+
+
+def on_ground(friction: float) -> Assembly:
+    return structure([GROUND, BLOCK], dry(friction))
+
+
+def degrees(slope: float) -> float:
+    return math.degrees(math.atan(slope))
+
+
 def moved(block: Block, turn: Rotation, shift: Sequence[float]) -> Block:
     """The block turned about the origin, then shifted (m)."""
     places = turn.apply(block.places) + np.array(shift)
@@ -86,4 +97,4 @@ def tilt(assembly: Assembly) -> float:
     """Angle in degrees at which a dry structure fails when it is tilted towards x."""
     loads = acceleration(assembly, (1.0, 0.0, 0.0))
     load = limit_load(assembly, loads, friction=True).load
-    return math.degrees(math.atan(load / free_weight(assembly)))
+    return degrees(load / free_weight(assembly))

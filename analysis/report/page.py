@@ -47,7 +47,7 @@ SCRIPTS_OF_PARTS = {  # each part has a template, too
     "joints": (HERE / "joints.js", HERE / "paths.js"),
     "structures": (DRAWING / "structure.js", HERE / "structures.js"),
 }
-ADDRESS = HERE / "address.js"  # the last one
+ADDRESS = DRAWING / "address.js"  # the last one
 SUMMARIES = ("summary", "structure_summary")
 SECTIONS = {  # of each part, as in its template
     "joints": (

@@ -110,8 +110,13 @@ class Views:
 
         ValueError without the package plotly.
         """
+        return page(*self.content(rows, command))
+
+    def content(self, rows: Sequence[Row], command: str) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Data and words of `page`."""
         shown = in_asked_units(rows)
-        data = {
+        structure = {
+            "title": self.title,
             "shape": self.shape,
             "loads": arrows_of(*self.problem),
             "models": [{"name": MODELS[each.model].label, **each.values()} for each in self.models],
@@ -126,7 +131,7 @@ class Views:
             "version": version("multilock"),
             "command": command,
         }
-        return page(data, words)
+        return {"structures": [structure]}, words
 
 
 def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:
