@@ -133,7 +133,7 @@ def content(
         data["answer"] = answer_content(study, tables)
     if structures:
         names += dict.fromkeys(case.subject.structure for case in structures)
-        verdict += structures_verdict(tables["structures"])
+        verdict += structures_verdict(tables["structures"], tables.get("verdicts"))
         if "supports" in tables:
             verdict += supports_verdict(tables["supports"])
         shown |= with_room(tables)
