@@ -11,10 +11,16 @@ from scipy.spatial.transform import Rotation
 from small import COARSE
 
 from sidmacib import Assembly, FaceMaterial, limit_load
+from sidmacib.models import MODELS
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure
 from sidmacib.yaml_text import read_yaml
+from workflow import engine, solve
+from workflow.configuration import read_study
+from workflow.jobs import case_jobs
+from workflow.results import read_records
+from workflow.results.structure_part import StructureRecord
 
 
 def example(name: str) -> dict[str, Any]:
@@ -41,6 +47,25 @@ ONLY_STRUCTURES = {  # a trilith with bonds and without, condensed locks, and a 
     "dem": {"engines": []},
 }
 WITH_STRUCTURES = COARSE | ONLY_STRUCTURES | {"eccentricities": [0, 0.3]}
+
+
+def solved(folder: Path, **config: Any) -> list[StructureRecord]:
+    """The records of a study, whose steps are called one by one."""
+    jobs, records = case_jobs(read_study(config)), []
+    for job, case in jobs.engines.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / f"{name}.json" for name in ("record", "result")}
+        arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
+        engine.run(arguments, {}, outputs)
+        records.append(outputs["record"])
+    for job, cases in jobs.batches.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / name for name in ("records", "nodes", "history")}
+        module = MODELS[cases[0].model].structures
+        arguments = {"module": module, "cases": [case.to_json() for case in cases]}
+        solve.run(arguments, {}, outputs)
+        records.append(outputs["records"])
+    return read_records(records)
 
 
 def dry(friction: float) -> FaceMaterial:

@@ -9,18 +9,15 @@ import pandas as pd
 import pytest
 import yaml
 from conftest import ROOT
+from structures import solved
 
 from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import structures_table, write_supports
-from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
-from workflow import engine, solve
 from workflow.case import StructureCase
 from workflow.cases import structure_cases, support_cases
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.jobs import case_jobs
-from workflow.results import read_records
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, SUPPORTS, read_table
 from workflow.schema import with_changes
 
@@ -40,22 +37,8 @@ def test_a_study_may_have_structures_and_no_joint() -> None:
 
 
 def made(folder: Path, **config: Any) -> pd.DataFrame:
-    """The table of structures of a study, whose steps are called one by one."""
-    jobs, records = case_jobs(read_study(config)), []
-    for job, case in jobs.engines.items():
-        (folder / job).mkdir(parents=True)
-        outputs = {name: folder / job / f"{name}.json" for name in ("record", "result")}
-        arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
-        engine.run(arguments, {}, outputs)
-        records.append(outputs["record"])
-    for job, cases in jobs.batches.items():
-        (folder / job).mkdir(parents=True)
-        outputs = {name: folder / job / name for name in ("records", "nodes", "history")}
-        module = MODELS[cases[0].model].structures
-        arguments = {"module": module, "cases": [case.to_json() for case in cases]}
-        solve.run(arguments, {}, outputs)
-        records.append(outputs["records"])
-    return structures_table(read_records(records))
+    """The table of structures of a study."""
+    return structures_table(solved(folder, **config))
 
 
 def test_loads_and_variants_multiply_and_change_the_description() -> None:

@@ -14,7 +14,7 @@ from studies.structures.compare import PUBLISHED, TYPES
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.rbe import pyramid_tilt
 from studies.structures.samples import AXES
-from studies.structures.shapes import answers
+from studies.structures.shapes import answers, pushed_walls
 
 Y = Tilt((0.0, 1.0, 0.0))
 
@@ -79,6 +79,15 @@ def test_shapes_have_their_known_answers() -> None:
         assert answer.limit == pytest.approx(answer.known, rel=near), answer.name
         if answer.static is not None:
             assert answer.static == pytest.approx(answer.limit, rel=1e-3), answer.name
+
+
+def test_walls_that_slide_carry_their_known_acceleration_and_less_along_a_path() -> None:
+    """Those of Ferris & Tin-Loi: sliding that dilates holds more than friction with a history."""
+    published = yaml.safe_load(PUBLISHED.read_text())
+    for answer in pushed_walls(published["shapes"]):
+        assert answer.limit == pytest.approx(answer.known, abs=6e-6), answer.name
+        assert answer.static is not None
+        assert 0.85 * answer.limit < answer.static < answer.limit - 1e-3, answer.name
 
 
 def test_published_values_are_of_samples_and_axes_that_there_are() -> None:
