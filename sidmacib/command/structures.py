@@ -11,6 +11,7 @@ from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
+from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
@@ -116,12 +117,20 @@ def _crushed(problem: Problem, limit: LimitState) -> str:
     return f"crushed: {', '.join(names[:MOST])}{others}"
 
 
+def _torque(limit: LimitState) -> str:
+    """That torque limits the load, in words, and the load without that limit."""
+    if limit.untwisted is None:
+        return ""
+    return f"limited by the torque of interfaces ({four_digits(limit.untwisted)} N without)"
+
+
 def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Iterator[Row]:
     if isinstance(limit, CapacityError):
         yield _row(problem, "limit", None, reason(limit))
     elif limit is not None:
         moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
-        note = "; ".join(filter(None, (assumes(problem.assembly), _crushed(problem, limit), moves)))
+        notes = assumes(problem.assembly), _torque(limit), _crushed(problem, limit), moves
+        note = "; ".join(filter(None, notes))
         error = limit_mesh_error(problem, limit.load)
         yield _row(problem, "limit", limit.load, note, error)
         try:

@@ -59,13 +59,14 @@ class LimitState:
     exerts on the piece above, in the frame of the face (normal, two tangents). ``mechanism``: how
     the pieces move when the load exceeds its limit, from the multipliers of the equations of
     equilibrium: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Several
-    motions may be possible; this is one of them. ``twisted``: how many faces' torque is limited.
+    motions may be possible; this is one of them. ``untwisted``: the load (N) without limits of
+    torque; None where no face reaches them.
     """
 
     load: float
     force: Floats
     mechanism: Floats
-    twisted: int = 0
+    untwisted: float | None = None
 
 
 def limit_load(
@@ -127,7 +128,7 @@ def _with_torque_limited(
     lowest = min(found[-CALM:], key=lambda each: each.load)
     if lowest.load < -FALLS * loads.scale <= free.load:
         raise InfeasibleError(DOES_NOT_STAND)
-    return replace(lowest, twisted=len(twist.motions))
+    return replace(lowest, untwisted=free.load)
 
 
 def _settled(found: Sequence[LimitState]) -> bool:
