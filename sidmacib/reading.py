@@ -56,6 +56,12 @@ class Section(BaseModel):
             raise ValueError(faults(error, *place)[0]) from None
 
 
+class _Made(Section):
+    """A section made here, whose fields have no source with docstrings to search for."""
+
+    model_config = ConfigDict(use_attribute_docstrings=False)
+
+
 def section_of(source: Any, *keys: str, **kinds: Any) -> Any:
     """A section of some fields of the dataclass ``source``, or all, with its defaults.
 
@@ -68,7 +74,7 @@ def section_of(source: Any, *keys: str, **kinds: Any) -> Any:
         key: (StrictBool if every[key] is bool else every[key], getattr(source, key, ...))
         for key in keys or every
     }
-    return create_model(f"{dataclass.__name__}Keys", __base__=Section, **chosen)
+    return create_model(f"{dataclass.__name__}Keys", __base__=_Made, **chosen)
 
 
 def changes_to(section: type[Section]) -> Any:
@@ -77,7 +83,7 @@ def changes_to(section: type[Section]) -> Any:
         key: (field.rebuild_annotation() | None, None)
         for key, field in section.model_fields.items()
     }
-    return create_model(f"{section.__name__}Changes", __base__=Section, **keys)
+    return create_model(f"{section.__name__}Changes", __base__=_Made, **keys)
 
 
 _Component = Annotated[float, Number(at_least=-LARGE, at_most=LARGE)]

@@ -22,25 +22,16 @@ import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import settings
+from small import TWO_MESHES
 from structures import WITH_STRUCTURES
 
+from sidmacib import Assembly, FaceMaterial, Joint, Loading, Loads, NodeLayout
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
-from sidmacib.joint import Joint
-from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_faces, shared_face
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Floats,
-    Kind,
-    Loads,
-    NodeLayout,
-    self_weight,
-)
+from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, self_weight
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
@@ -55,10 +46,7 @@ from workflow.schema import Study
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.
-for number, usual in (
-    (signal.SIGINT, signal.default_int_handler),
-    (signal.SIGHUP, signal.SIG_DFL),
-):
+for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, usual)
 
@@ -117,13 +105,9 @@ def scaled(joint: Joint, length: float, stress: float) -> Joint:
     """The joint with lengths, and all that is a force or a stiffness per area, times these."""
 
     def of(face: FaceMaterial) -> FaceMaterial:
-        names = ("normal_stiffness", "shear_stiffness"), ("cohesion", "tensile_strength")
-        stiff, strong = ({name: getattr(face, name) for name in each} for each in names)
-        return replace(
-            face,
-            **{name: stress / length * value for name, value in stiff.items()},
-            **{name: stress * value for name, value in strong.items()},
-        )
+        factors = dict.fromkeys(("cohesion", "tensile_strength"), stress)
+        factors |= dict.fromkeys(("normal_stiffness", "shear_stiffness"), stress / length)
+        return replace(face, **{name: by * getattr(face, name) for name, by in factors.items()})
 
     sizes = {name: length * getattr(joint, name) for name in ("a", "b", "h", "H")}
     density = stress / length * joint.density
@@ -166,29 +150,11 @@ class CaseResult:
     nodes: pd.DataFrame
     history: pd.DataFrame
 
-    @property
-    def peak_load(self) -> float:
-        assert self.record.load_N is not None
-        return self.record.load_N
-
-    @property
-    def shear(self) -> float:
-        assert self.record.part.shear_N is not None
-        return self.record.part.shear_N
-
-    @property
-    def failed_load(self) -> float:
-        assert self.record.failed_load_N is not None
-        return self.record.failed_load_N
-
-    @property
-    def first_failure_load(self) -> float | None:
-        return self.record.first_failure_load_N
-
-    @property
-    def unbalanced_share(self) -> float:
-        assert self.record.unbalanced_share is not None
-        return self.record.unbalanced_share
+    peak_load = property(lambda self: self.record.load_N)
+    shear = property(lambda self: self.record.part.shear_N)
+    failed_load = property(lambda self: self.record.failed_load_N)
+    first_failure_load = property(lambda self: self.record.first_failure_load_N)
+    unbalanced_share = property(lambda self: self.record.unbalanced_share)
 
     @property
     def weights(self) -> pd.DataFrame:
@@ -203,13 +169,8 @@ def a_case(
     nodes: NodeLayout = NodeLayout.CENTRES,
     **numerics: float,
 ) -> JointCase:
-    return Case(
-        name="case",
-        model=engine,
-        variant="reference",
-        subject=JointSubject("n", joint, mesh, nodes, loading),
-        numerics=Numerics(**numerics),
-    )
+    subject = JointSubject("n", joint, mesh, nodes, loading)
+    return Case("case", engine, "reference", subject, Numerics(**numerics))
 
 
 def with_subject(case: JointCase, **changes: Any) -> JointCase:
@@ -246,7 +207,11 @@ def run(made_once: Callable[..., Path]) -> Callable[[JointCase], CaseResult]:
 
     def found(case: JointCase) -> CaseResult:
         name = hashlib.sha256(case.to_json().encode()).hexdigest()[:16]
-        return read_case(made_once(f"case-{name}", partial(run_case, case)), case)
+        folder = made_once(f"case-{name}", partial(run_case, case))
+        (record,) = read_records([folder / RECORD])
+        nodes = pd.read_csv(folder / "nodes.csv")
+        nodes["lock"] = nodes["face"].map(lock_faces(case.subject.joint)).fillna(0).astype(int)
+        return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
 
     return found
 
@@ -260,13 +225,6 @@ def run_case(case: JointCase, folder: Path) -> Path:
     if fault is not None:
         raise EngineError(fault)
     return folder
-
-
-def read_case(folder: Path, case: JointCase) -> CaseResult:
-    (record,) = read_records([folder / RECORD])
-    nodes = pd.read_csv(folder / "nodes.csv")
-    nodes["lock"] = nodes["face"].map(lock_faces(case.subject.joint)).fillna(0).astype(int)
-    return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
 
 
 @pytest.fixture
@@ -314,12 +272,10 @@ def outputs_of(config: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
 @pytest.fixture(scope="session")
 def solved_study(made_once: Callable[..., Path]) -> tuple[Study, Path]:
     """A study without engines, and its results but figures."""
-    config = {
+    config = TWO_MESHES | {
         "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
-        "meshes": [0.02, 0.01],
         "eccentricities": [0, 0.3, "torsion"],
         "models": ["static", "limit"],
-        "dem": {"engines": []},
         "sidmacib": {"reductions": ["none", "half", "lower_sum"]},
     }
     targets = "summary.txt", "report.html"

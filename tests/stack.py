@@ -1,17 +1,12 @@
 """An assembly that is no joint: a stack of dry blocks, tilted until they slide or fall."""
 
+from itertools import pairwise
+
 import numpy as np
 
+from sidmacib import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.joint.pieces import shared_face
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Kind,
-    Loads,
-    NodeLayout,
-    self_weight,
-)
+from sidmacib.mechanics.assembly import Cuboid, Kind, self_weight
 from sidmacib.mechanics.contact_nodes import contact_nodes
 
 
@@ -42,9 +37,8 @@ def tilted_stack(
         ),
     )
     dry = FaceMaterial(stiffness, stiffness, friction, cohesion=0.0, tensile_strength=0.0)
-    faces = tuple(
-        shared_face(f"bed{i + 1}", Kind.DRY, dry, pieces, (i, i + 1)) for i in range(blocks)
-    )
+    pairs = pairwise(range(blocks + 1))
+    faces = tuple(shared_face(f"bed{k}", Kind.DRY, dry, pieces, (i, k)) for i, k in pairs)
     weight = self_weight(pieces)
     weight[0] = 0.0  # the ground carries itself
     variable = np.zeros_like(weight)

@@ -8,12 +8,19 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from small import COARSE
 
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.structure.blocks import Block
+from sidmacib import Assembly, FaceMaterial, limit_load
+from sidmacib.models import MODELS
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, free_weight
+from sidmacib.structure.structure import structure
 from sidmacib.yaml_text import read_yaml
+from workflow import engine, solve
+from workflow.configuration import read_study
+from workflow.jobs import case_jobs
+from workflow.results import read_records
+from workflow.results.structure_part import StructureRecord
 
 
 def example(name: str) -> dict[str, Any]:
@@ -39,16 +46,45 @@ ONLY_STRUCTURES = {  # a trilith with bonds and without, condensed locks, and a 
     "models": ["static", "limit"],
     "dem": {"engines": []},
 }
-WITH_STRUCTURES = {
-    **ONLY_STRUCTURES,
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
-    "eccentricities": [0, 0.3],
-}
+WITH_STRUCTURES = COARSE | ONLY_STRUCTURES | {"eccentricities": [0, 0.3]}
+
+
+def solved(folder: Path, **config: Any) -> list[StructureRecord]:
+    """The records of a study, whose steps are called one by one."""
+    jobs, records = case_jobs(read_study(config)), []
+    for job, case in jobs.engines.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / f"{name}.json" for name in ("record", "result")}
+        arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
+        engine.run(arguments, {}, outputs)
+        records.append(outputs["record"])
+    for job, cases in jobs.batches.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / name for name in ("records", "nodes", "history")}
+        module = MODELS[cases[0].model].structures
+        arguments = {"module": module, "cases": [case.to_json() for case in cases]}
+        solve.run(arguments, {}, outputs)
+        records.append(outputs["records"])
+    return read_records(records)
 
 
 def dry(friction: float) -> FaceMaterial:
     return FaceMaterial(1e10, 1e10, friction, 0.0, 0.0)
+
+
+GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
+LEANING = prism(  # falls over
+    "leaning", [(0, 0, 0), (0.4, 0, 0), (1.4, 0, 1.0), (1.0, 0, 1.0)], (0.0, 0.6, 0.0), 2e3
+)
+
+
+def on_ground(friction: float) -> Assembly:
+    return structure([GROUND, BLOCK], dry(friction))
+
+
+def degrees(slope: float) -> float:
+    return math.degrees(math.atan(slope))
 
 
 def moved(block: Block, turn: Rotation, shift: Sequence[float]) -> Block:
@@ -61,4 +97,4 @@ def tilt(assembly: Assembly) -> float:
     """Angle in degrees at which a dry structure fails when it is tilted towards x."""
     loads = acceleration(assembly, (1.0, 0.0, 0.0))
     load = limit_load(assembly, loads, friction=True).load
-    return math.degrees(math.atan(load / free_weight(assembly)))
+    return degrees(load / free_weight(assembly))

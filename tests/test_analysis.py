@@ -4,13 +4,16 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from made_up_results import capacity_of, record_with, tables_of
 
 from analysis.published import read_published
 from analysis.summary.summary import summary
-from analysis.tables import winner
+from analysis.tables import misfit, winner
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import (
     cases_table,
@@ -40,9 +43,14 @@ def study() -> Study:
 @pytest.fixture
 def results(study: Study) -> list[JointRecord]:
     """A joint of which one lock carries load, on contact points at 0.3 a, 96 % of T0."""
-    joint = study.joint("n3")
+    return results_of(study, 0.3, (0.96, 0.0, 0.0))
+
+
+def results_of(study: Study, distance: float, strength: tuple[float, ...]) -> list[JointRecord]:
+    """Results of YADE that are those of SiDMACIB, with strengths of locks over T0."""
     cases = [case for case in cases_of(study).values() if case.model == "yade"]
-    model = Sidmacib(joint, ContactOption.pair(0.3), (0.96, 0.0, 0.0), friction=False)
+    pair = ContactOption.pair(distance)
+    model = Sidmacib(study.joint("n3"), pair, strength, friction=False)
     points = capacities(model, [case.subject.direction for case in cases])
     return [record_with(c, 0.5, point.load) for c, point in zip(cases, points, strict=True)]
 
@@ -88,22 +96,17 @@ def test_a_case_of_another_joint_is_no_witness(results) -> None:
     assert cases_table(results, witness)["difference_to_static"].isna().all()
 
 
-def test_a_case_without_a_result_leaves_a_hole_that_every_table_names(
-    study, results, tmp_path: Path
-) -> None:
+def test_a_case_without_a_result_is_a_hole_that_tables_name(study, results, tmp_path: Path) -> None:
     case = next(c for c in cases_of(study).values() if c.name == results[1].name)
-    holed = [
-        results[0],
-        record_without_result(case, error="yade: out of time after 1 s"),
-        results[2],
-    ]
+    reason = "yade: out of time after 1 s"
+    holed = [results[0], record_without_result(case, error=reason), results[2]]
     cases = cases_table(holed, holed)
     write_table(CASES, cases, tmp_path / "cases.csv")
     assert read_table(CASES, tmp_path / "cases.csv")["error"].notna().tolist() == [0, 1, 0]
     capacity = capacity_of(study, holed)
     write_table(CAPACITY, capacity, tmp_path / "capacity.csv")
     (row,) = capacity[capacity["error"].notna()].itertuples()
-    assert (row.case, row.error) == (holed[1].part.case, "yade: out of time after 1 s")
+    assert (row.case, row.error) == (holed[1].part.case, reason)
     assert math.isnan(row.load_N)
     fit = fit_table(capacity)
     assert set(fit["directions"]) == {2}
@@ -112,15 +115,9 @@ def test_a_case_without_a_result_leaves_a_hole_that_every_table_names(
 
 
 # --- fit -----------------------------------------------------------------------------------------
-
-
 def test_the_best_pair_finds_distance_and_strength_of_a_made_up_curve(study, results) -> None:
-    curve = pd.DataFrame(
-        {
-            "eccentricity_over_a": [r.part.eccentricity_over_a for r in results],
-            "load_N": [r.load_N for r in results],
-        }
-    )
+    points = [(r.part.eccentricity_over_a, r.load_N) for r in results]
+    curve = pd.DataFrame(points, columns=["eccentricity_over_a", "load_N"])
     best = best_pair(study.joint("n3"), 1000.0, False, curve)
     assert best["distance_over_a"] == pytest.approx(0.3, abs=1e-3)
     assert best["locks_that_count"] == pytest.approx(0.96, abs=2e-3)
@@ -140,17 +137,10 @@ def test_every_combination_is_ranked_and_the_winner_is_the_closest(study, result
 
 
 def test_a_curve_that_is_the_model_itself_is_won_without_misfit(study) -> None:
-    joint = study.joint("n3")
-    cases = [case for case in cases_of(study).values() if case.model == "yade"]
-    model = Sidmacib(joint, ContactOption.pair(0.25), active(joint, 1), friction=False)
-    points = capacities(model, [case.subject.direction for case in cases])
-    results = [record_with(c, 0.5, p.load) for c, p in zip(cases, points, strict=True)]
+    results = results_of(study, 0.25, active(study.joint("n3"), 1))
     best = winner(fit_table(capacity_of(study, results)), "n3", 0.02)
-    assert (best["option"], best["friction"], best["misfit"]) == (
-        "option4",
-        False,
-        pytest.approx(0),
-    )
+    found = (best["option"], best["friction"], best["misfit"])
+    assert found == ("option4", False, pytest.approx(0))
 
 
 # --- tables --------------------------------------------------------------------------------------
@@ -222,3 +212,24 @@ def test_only_the_papers_samples_and_loads_are_held_against_the_paper(
 ) -> None:
     config = {"samples": {"n": {"locks": 3}}, "meshes": [0.02], **change}
     assert read_published().covers(read_study(config), "n") is covered
+
+
+# --- errors of a model's loads -------------------------------------------------------------------
+REFERENCE = np.array([100.0, 200.0, 400.0])
+
+
+@pytest.mark.parametrize(
+    ("shares", "unsafe", "safe"),
+    [([0.9, 0.7, 1.0], 0.0, 0.3), ([1.1, 1.4, 1.0], 0.4, 0.0), ([1.1, 0.6, 1.0], 0.1, 0.4)],
+)
+def test_loads_above_the_reference_are_unsafe_and_below_it_safe(
+    shares: list[float], unsafe: float, safe: float
+) -> None:
+    found = misfit(REFERENCE * shares, REFERENCE)
+    assert found.largest_unsafe_error == pytest.approx(unsafe)
+    assert found.largest_safe_error == pytest.approx(safe)
+
+
+@given(st.floats(-0.9, 3.0))
+def test_the_same_relative_error_everywhere_is_the_misfit(error: float) -> None:
+    assert misfit(REFERENCE * (1 + error), REFERENCE).misfit == pytest.approx(abs(error), abs=1e-12)

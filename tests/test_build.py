@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from click.testing import CliRunner
+from command_runner import run
 from conftest import ROOT
-from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
 
 from sidmacib.build import (
     Clearance,
@@ -31,10 +31,8 @@ from sidmacib.build import (
 from sidmacib.build.files import obj_text, step, stl, threemf
 from sidmacib.build.sheet import draw_sheet, spelled
 from sidmacib.build.views import cut_place, section, view
-from sidmacib.command.main import main
 from sidmacib.joint import Joint, OwnLock, Side
 from sidmacib.joint.pieces import cut_pieces
-from sidmacib.mechanics.assembly import Cuboid
 from sidmacib.structure.blocks import Block, prism
 from sidmacib.structure.files.structure_file import assembly_of, blocks_and_rows
 from sidmacib.structure.overlaps import common_volume
@@ -57,22 +55,13 @@ def made(found: Found, clearance: Clearance | None = None) -> tuple[Solid, ...]:
 
 
 def arch() -> Found:
-    found = blocks_of_file(ARCH)
-    assert found is not None
-    return found
+    return blocks_of_file(ARCH)
 
 
 def turned(joint: Joint) -> Found:
     """The blocks of a joint as a structure that is turned in space, described by its corners."""
     blocks, _, _ = joint_blocks(joint)
-    one, other = 0.4, 0.3
-    about_z = np.array(
-        [[math.cos(one), -math.sin(one), 0], [math.sin(one), math.cos(one), 0], [0, 0, 1]]
-    )
-    about_x = np.array(
-        [[1, 0, 0], [0, math.cos(other), -math.sin(other)], [0, math.sin(other), math.cos(other)]]
-    )
-    turn = about_z @ about_x
+    turn = Rotation.from_euler("ZX", (0.4, 0.3)).as_matrix()
     described = {
         block.name: {
             "vertices": (block.places @ turn.T + (3.0, -2.0, 1.0)).tolist(),
@@ -88,25 +77,16 @@ def turned(joint: Joint) -> Found:
 
 def model_volumes(joint: Joint) -> list[float]:
     """Of the pieces of the lower and of the upper block."""
-
-    def volume(piece: Cuboid) -> float:
-        return float(np.prod(piece.size))
-
-    pieces = {piece.name: volume(piece) for piece in cut_pieces(joint) if piece.name != "plate"}
+    pieces = {each.name: math.prod(each.size) for each in cut_pieces(joint) if each.name != "plate"}
     lower = pieces["lower"] + sum(pieces[f"lock{lock}"] for lock in joint.lower_locks)
     return [lower, sum(pieces.values()) - lower]
 
 
+DIFFERENT = Joint(4, different={2: OwnLock(width=0.02)})
+
+
 @pytest.mark.parametrize(
-    "joint",
-    [
-        Joint(1),
-        Joint(2, first=Side.LOWER),
-        Joint(5),
-        Joint(9, a=0.08, h=0.012),
-        Joint(4, different={2: OwnLock(width=0.02)}),
-    ],
-    ids=["one", "two", "five", "nine", "different"],
+    "joint", [Joint(1), Joint(2, first=Side.LOWER), Joint(5), Joint(9, a=0.08, h=0.012), DIFFERENT]
 )
 def test_the_blocks_of_a_joint_have_the_volumes_of_its_pieces(joint: Joint) -> None:
     found = made(joint_blocks(joint))
@@ -242,10 +222,14 @@ def test_a_package_of_3mf_has_the_unit_the_names_and_the_same_bytes_each_time() 
     assert text.count("<triangle ") == sum(len(each.triangles) for each in found)
 
 
+def drawn_upper(joint: Joint) -> Solid:
+    upper = made(joint_blocks(joint))[1]
+    return laid(upper, own_axes(upper))
+
+
 def test_the_section_has_the_area_of_the_profile() -> None:
     joint = Joint(5)
-    upper = made(joint_blocks(joint))[1]
-    drawn = laid(upper, own_axes(upper))
+    drawn = drawn_upper(joint)
     cut = section(drawn, cut_place(drawn)).cut
     x, y = cut[0].T
     area = abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)) / 2
@@ -253,39 +237,29 @@ def test_the_section_has_the_area_of_the_profile() -> None:
 
 
 def test_edges_behind_a_block_are_hidden() -> None:
-    upper = made(joint_blocks(Joint(5)))[1]
-    drawn = laid(upper, own_axes(upper))
-    above = view(drawn, np.eye(3))  # locks are on its lower side
-    length = [
-        float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum())
-        for lines in (above.visible, above.hidden)
-    ]
-    assert length[0] == pytest.approx(2 * (0.06 + 0.25))
+    above = view(drawn_upper(Joint(5)), np.eye(3))  # locks are on its lower side
+    length = np.linalg.norm(above.visible[:, 1] - above.visible[:, 0], axis=1).sum()
+    assert length == pytest.approx(2 * (0.06 + 0.25))
     flanks = [line for line in above.hidden if abs(line[0, 1] - line[1, 1]) < 1e-9]
     assert {round(float(line[0, 1]), 6) for line in flanks} >= {0.05, 0.1, 0.15, 0.2}
-
-
-def words_on(figure: Figure) -> set[str]:
-    return {text.get_text() for text in figure.axes[0].texts}
 
 
 def test_a_sheet_has_every_size_of_the_joint() -> None:
     blocks, rows, near = joint_blocks(Joint(5))
     lower, _ = kinds(solids(blocks, rows, GAPS, near))
-    words = words_on(draw_sheet(lower, rows, 2, "mm", "clearance"))
+    (axes, *_) = draw_sheet(lower, rows, 2, "mm", "clearance").axes
+    words = {text.get_text() for text in axes.texts}
     assert {"60", "250", "49.5", "50.5"} <= words
     assert {"Kind A", "clearance", "joint to upper: 5 locks"} <= words
 
 
 def test_numbers_of_dimensions_are_short() -> None:
-    assert [spelled(x) for x in (250.0, 49.75, 7.9, 1.23456, 60.000001)] == [
-        *("250", "49.75", "7.9", "1.235", "60")
-    ]
+    found = [spelled(x) for x in (250.0, 49.75, 7.9, 1.23456, 60.000001)]
+    assert found == ["250", "49.75", "7.9", "1.235", "60"]
 
 
 def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:
-    words = ["build", "-n", "3", "-a", "80mm", "--clearance", "0.5mm", "-o", str(tmp_path)]
-    found = CliRunner().invoke(main, words)
+    found = run("build", "-n", "3", "-a", "80mm", "--clearance", "0.5mm", "-o", str(tmp_path))
     assert found.exit_code == 0, found.output
     files = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.*")}
     assert files == {
@@ -311,7 +285,7 @@ def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:
     ],
 )
 def test_the_command_refuses_in_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
-    found = CliRunner().invoke(main, ["build", *words, "-o", str(tmp_path / "out")])
+    found = run("build", *words, "-o", str(tmp_path / "out"))
     assert found.exit_code != 0
     assert expected in found.output
     assert not (tmp_path / "out").exists()
@@ -321,7 +295,7 @@ def test_a_file_of_a_joint_is_taken_as_its_flags_are(tmp_path: Path) -> None:
     file = tmp_path / "joint.yaml"
     file.write_text("locks: 3\na: 80mm\n")
     printed = [
-        CliRunner().invoke(main, ["build", *words, "--format", "csv", "-o", str(tmp_path / "out")])
+        run("build", *words, "--format", "csv", "-o", str(tmp_path / "out"))
         for words in ([str(file)], ["-n", "3", "-a", "0.08"], ["--file", str(file)])
     ]
     assert {found.exit_code for found in printed} == {0}
@@ -348,6 +322,6 @@ def test_step_without_its_package_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "OCP.Message", None)
-    done = CliRunner().invoke(main, ["build", "-n", "3", "-o", str(tmp_path), "--step"])
+    done = run("build", "-n", "3", "-o", str(tmp_path), "--step")
     assert done.exit_code == 2
     assert "--step: needs the package cadquery-ocp-novtk: pip install multi" in done.output

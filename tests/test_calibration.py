@@ -58,16 +58,6 @@ def table(study: Study) -> pd.DataFrame:
     return misfit_table(candidate, cases_table(records, records), weights_table(records), PUBLISHED)
 
 
-@pytest.fixture
-def grid(table: pd.DataFrame) -> pd.DataFrame:
-    return table[table["candidate"].str.startswith("g")]
-
-
-@pytest.fixture
-def of_study(table: pd.DataFrame) -> pd.DataFrame:
-    return table[table["candidate"].str.startswith("own")]
-
-
 def test_the_grid_has_the_published_area_and_every_friction(study: Study) -> None:
     found = list(candidates(study, PUBLISHED))
     assert len(found) == 2 * 2 * 2 * 2
@@ -105,10 +95,8 @@ def test_nothing_fits_the_weights_as_printed(table: pd.DataFrame) -> None:
     assert table["misfit_printed"].min() > 8.0
 
 
-def test_the_shipped_joint_that_fits_is_within_the_aims_and_the_printed_one_is_not(
-    of_study: pd.DataFrame,
-) -> None:
-    printed, fits = of_study.to_dict("records")
+def test_the_joint_that_fits_is_within_the_aims_and_the_printed_is_not(table: pd.DataFrame) -> None:
+    printed, fits = table[table["candidate"].str.startswith("own")].to_dict("records")
     assert fits["fits"] and not printed["fits"]
     assert fits["largest_peak_difference"] < 0.005
     assert fits["largest_weight_difference"] < 0.04
@@ -146,9 +134,8 @@ def test_the_confirmation_is_a_study_of_the_chosen_joints(study: Study) -> None:
     assert confirmed.joint("rank1_n5").dry.friction == chosen[1].friction
     assert (confirmed.results, confirmed.nodes) == ("there", study.nodes)
     assert confirmed.dem.engines == study.dem.engines
-    elastic = read_study(
-        {"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}, "meshes": [0.005]}
-    )
+    bends = {"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}}
+    elastic = read_study({**bends, "meshes": [0.005]})
     assert elastic.dem.engines == ("calculix",)  # the confirmation's pieces are rigid
     of_elastic = engine_study(elastic, check(study, PUBLISHED), ranked, "there")
     assert read_study(of_elastic).dem.engines == ()

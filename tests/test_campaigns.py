@@ -1,9 +1,21 @@
-"""Short parts of two campaigns: `make faults` and `make fuzz` run them in full."""
+"""Short parts of `make faults` and `make fuzz`, and runs that are asked to end."""
 
+import os
+import signal
+import subprocess
+import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
+import yaml
 from campaigns import faults, fuzz
+from campaigns.faults import descendants, processes_in
+from conftest import INSTALLED, ROOT
+from test_execute import becomes_true
+
+from workflow.command import STOPPED, lock
 
 
 @pytest.fixture(scope="module")
@@ -26,3 +38,70 @@ def test_whatever_comes_in_is_an_answer_or_a_clear_no() -> None:
         fuzz.tried(begun, 600)
     assert min(begun.accepted.values()) > 0 < min(begun.refused.values())
     assert begun.accepted.keys() == begun.refused.keys()
+
+
+LONG = {  # a case of an engine that takes minutes
+    "samples": {"n5": {"locks": 5}},
+    "meshes": [0.005],
+    "eccentricities": [0],
+    "models": ["limit"],  # no report without the engine first, as that needs static
+    "dem": {"engines": ["yade"]},
+    "sidmacib": {"reductions": ["none"]},
+}
+
+
+def make_study(folder: Path) -> subprocess.Popen[str]:
+    """`make study` of a long study, started in a separate session."""
+    config = folder / "study.yaml"
+    config.write_text(yaml.safe_dump(LONG))
+    return subprocess.Popen(
+        [*INSTALLED, "study", f"CONFIG={config}", f"RESULTS={folder / 'results'}"],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+
+
+@pytest.mark.study
+@pytest.mark.engine
+@pytest.mark.parametrize(
+    ("number", "whom", "words"),
+    [
+        (signal.SIGKILL, "make", ""),
+        (signal.SIGTERM, "main", ""),
+        (signal.SIGINT, "all", STOPPED),  # ^C on a terminal, pressed twice
+    ],
+)
+def test_a_study_that_is_stopped_leaves_nothing_alive_and_no_lock(
+    tmp_path: Path, number: signal.Signals, whom: str, words: str
+) -> None:
+    run = make_study(tmp_path)
+    assert becomes_true(lambda: any("joint.py" in each for each in processes_in(tmp_path)), 90.0)
+    pid = descendants(run.pid)[0] if whom == "main" else run.pid
+    for _ in range(2):
+        with suppress(ProcessLookupError):
+            (os.killpg if whom == "all" else os.kill)(pid, number)
+        time.sleep(0.1)
+    try:
+        assert becomes_true(lambda: not processes_in(tmp_path), 15.0), processes_in(tmp_path)
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGKILL)
+    output, _ = run.communicate(timeout=10.0)
+    assert words in output
+    lock(tmp_path / "results").close()
+
+
+@pytest.mark.study
+def test_a_study_that_is_interrupted_at_once_ends(tmp_path: Path) -> None:
+    run = make_study(tmp_path)
+    time.sleep(0.25)
+    for _ in range(2):
+        with suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGINT)
+        time.sleep(0.05)
+    run.communicate(timeout=30.0)
+    assert run.returncode != 0
+    assert becomes_true(lambda: not processes_in(tmp_path), 15.0), processes_in(tmp_path)

@@ -2,16 +2,15 @@
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from structures import dry
+from structures import BLOCK, GROUND, dry, on_ground
 
-from sidmacib.errors import CapacityError
+from sidmacib import CapacityCurve, CapacityError, capacity_curve, limit_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.structure.analysis.capacity_curve import CapacityCurve, capacity_curve
 from sidmacib.structure.analysis.contacts import Placement
 from sidmacib.structure.analysis.tilt import Tilt, tilting
 from sidmacib.structure.blocks import box
@@ -19,13 +18,8 @@ from sidmacib.structure.loads import acceleration, force_at, free_weight, suppor
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 
-GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
 WIDTH, DEPTH, HEIGHT = 0.4, 0.6, 1.0
 ALONG_X = (1.0, 0.0, 0.0)
-
-
-def block(friction: float = 0.7) -> Assembly:
-    return structure([GROUND, box("block", (0, 0, 0), (WIDTH, DEPTH, HEIGHT), 2e3)], dry(friction))
 
 
 def turns(curve: CapacityCurve, piece: int) -> Floats:
@@ -35,7 +29,7 @@ def turns(curve: CapacityCurve, piece: int) -> Floats:
 
 
 def test_a_rocking_block_carries_its_weight_times_tan_of_what_is_left_of_the_angle() -> None:
-    model = block()
+    model = on_ground(0.7)
     curve = capacity_curve(model, acceleration(model, ALONG_X))
     weight, alpha = free_weight(model), math.atan(WIDTH / HEIGHT)
     expected = weight * np.tan(alpha - turns(curve, 1))
@@ -48,7 +42,7 @@ def test_a_rocking_block_carries_its_weight_times_tan_of_what_is_left_of_the_ang
 
 
 def test_the_point_of_a_force_moves_with_its_block() -> None:
-    model = block()
+    model = on_ground(0.7)
     loads = force_at(model, "block", (0.0, DEPTH / 2, HEIGHT), ALONG_X)
     curve = capacity_curve(model, loads)
     turn = turns(curve, 1)[:-1]
@@ -132,21 +126,20 @@ def four_bars(points: Floats) -> Callable[[float], Floats]:
     a, b, c, d = points
     coupler, rocker = np.linalg.norm(c - b), np.linalg.norm(d - c)
 
+    def left(vector: Floats) -> Floats:
+        return np.array([-vector[1], vector[0]])
+
     def at(angle: float) -> Floats:
         turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
         moved = a + turn @ (b - a)
         apart = float(np.linalg.norm(d - moved))
         along = (d - moved) / apart
         foot = (coupler**2 - rocker**2 + apart**2) / (2 * apart)
-        side = np.array([-along[1], along[0]])
-        height = math.sqrt(coupler**2 - foot**2) * math.copysign(1.0, float((c - b) @ _left(d - b)))
+        side = left(along)
+        height = math.sqrt(coupler**2 - foot**2) * math.copysign(1.0, float((c - b) @ left(d - b)))
         return np.array([a, moved, moved + foot * along + height * side, d])
 
     return at
-
-
-def _left(vector: Floats) -> Floats:
-    return np.array([-vector[1], vector[0]])
 
 
 def linked(count: int, joints: list[int], thickness: float = 0.2) -> Callable[[float], float]:
@@ -156,11 +149,8 @@ def linked(count: int, joints: list[int], thickness: float = 0.2) -> Callable[[f
     hinges = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
     linkage, built = four_bars(hinges), structure(arch(count, thickness), dry(1.0))
     centres = Placement.of(built).built[2:, [0, 2]]
-    bars = [
-        (bar, centre)
-        for bar in range(3)
-        for centre in centres[joints[bar] : joints[bar + 1]].tolist()
-    ]
+    parts = [centres[low:high].tolist() for low, high in pairwise(joints)]
+    bars = [(bar, centre) for bar in range(3) for centre in parts[bar]]
 
     def centroids(angle: float) -> Floats:
         moved, found = linkage(angle), []
@@ -190,12 +180,8 @@ def test_an_arch_of_three_blocks_follows_its_four_hinges() -> None:
 def test_hinges_of_a_thin_arch_move_and_it_carries_less_than_with_hinges_that_stay() -> None:
     model, stay = structure(arch(15, 0.2), dry(0.8)), linked(15, [0, 4, 9, 14])
     curve = capacity_curve(model, acceleration(model, ALONG_X))
-    assert curve.hinges == (
-        "right-voussoir0",
-        "voussoir3-voussoir4",
-        "voussoir8-voussoir9",
-        "voussoir13-voussoir14",
-    )
+    between = ("voussoir3-voussoir4", "voussoir8-voussoir9", "voussoir13-voussoir14")
+    assert curve.hinges == ("right-voussoir0", *between)
     known = np.array([stay(-angle) for angle in turns(curve, 2).tolist()])
     load = curve.load / free_weight(model)
     first = curve.displacement < 0.016
@@ -212,23 +198,20 @@ def test_a_capacity_curve_begins_at_the_limit_load() -> None:
 
 
 def test_bonds_gravity_that_turns_and_moving_supports_have_no_capacity_curve() -> None:
-    bonded = FaceMaterial(1e10, 1e10, 0.7, 1e4, 1e4)
-    model = structure(block().pieces, bonded)  # type: ignore[arg-type]
+    bonded, block = FaceMaterial(1e10, 1e10, 0.7, 1e4, 1e4), on_ground(0.7)
+    model = structure([GROUND, BLOCK], bonded)
     with pytest.raises(CapacityError, match="ground-block is not dry"):
         capacity_curve(model, acceleration(model, ALONG_X))
     with pytest.raises(CapacityError, match="gravity turns"):
-        capacity_curve(block(), tilting(block(), Tilt((0.0, 1.0, 0.0))))
+        capacity_curve(block, tilting(block, Tilt((0.0, 1.0, 0.0))))
     with pytest.raises(ValueError, match="a support moves"):
-        capacity_curve(block(), support_moves(block(), "ground", ALONG_X))
+        capacity_curve(block, support_moves(block, "ground", ALONG_X))
 
 
 def test_a_curve_ends_where_blocks_meet_that_did_not_touch() -> None:
     gap = 0.1
-    blocks = [
-        GROUND,
-        box("block", (0, 0, 0), (WIDTH, DEPTH, HEIGHT), 2e3),
-        box("post", (WIDTH + gap, 0, 0), (WIDTH + gap + 0.2, DEPTH, 2 * HEIGHT), 2e3),
-    ]
+    post = box("post", (WIDTH + gap, 0, 0), (WIDTH + gap + 0.2, DEPTH, 2 * HEIGHT), 2e3)
+    blocks = [GROUND, BLOCK, post]
     model = structure(blocks, dry(0.7))
     loads = force_at(model, "block", (0.0, DEPTH / 2, HEIGHT), ALONG_X)
     curve = capacity_curve(model, loads)

@@ -1,21 +1,18 @@
 """What code a step runs is read from the code."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from conftest import ROOT, a_case
+from processes import python
+from small import COARSE
 
+from sidmacib import Direction, Elastic, Joint, Loading
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading
-from sidmacib.mechanics.assembly import Elastic
 from sidmacib.models import MODELS
 from workflow import closure as module
 from workflow.case import JointSubject
@@ -110,18 +107,12 @@ def test_a_rule_runs_again_when_what_its_script_imports_is_edited(rule: str) -> 
 
 @pytest.mark.parametrize("model", ["static", "limit"])
 def test_what_a_run_imports_and_reads_is_in_its_closure(tmp_path: Path, model: str) -> None:
-    config = {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0]}
-    study = read_study({**config, "models": ["static", "limit"], "dem": {"engines": []}})
+    study = read_study(COARSE | {"eccentricities": [0], "models": ["static", "limit"]})
     cases = [case.to_json() for case in case_jobs(study).batches[f"cases/{model}/batch"]]
     arguments = {"cases": cases, "module": MODELS[model].module}
     outputs = {name: f"{tmp_path}/{name}" for name in ("records", "nodes", "history")}
-    _assert_covered(
-        "workflow.solve",
-        arguments,
-        outputs,
-        (str(MODELS[model].module), *JointSubject.modules),
-        (),
-    )
+    modules = (str(MODELS[model].module), *JointSubject.modules)
+    _assert_covered("workflow.solve", arguments, outputs, modules, ())
 
 
 def _assert_covered(
@@ -132,15 +123,8 @@ def _assert_covered(
     files: tuple[str, ...],
 ) -> None:
     """Run a step and hold what it imports and opens against what its digest is made of."""
-    found = subprocess.run(
-        [sys.executable, "-c", TRACE, json.dumps([step, arguments, outputs, str(ROOT)])],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=300,
-    ).stdout
+    asked = json.dumps([step, arguments, outputs, str(ROOT)])
+    found = python("-c", TRACE, asked, check=True, PYTHONPATH=str(ROOT)).stdout
     imported, _, opened = found.partition("--")
     known = frozenset[str]().union(*map(closure, (step, *modules)))
     assert {name for name in imported.split() if name.split(".")[0] in module.PACKAGES} <= known
@@ -156,9 +140,7 @@ def _assert_covered(
 
 @pytest.mark.engine
 @pytest.mark.parametrize("model", ENGINES)
-def test_what_an_engines_job_imports_and_reads_is_in_its_closure(
-    tmp_path: Path, model: str
-) -> None:
+def test_what_an_engines_job_imports_and_reads_is_in_closure(tmp_path: Path, model: str) -> None:
     joint = Joint(2, elastic=Elastic(1e10) if ENGINES[model].elastic else None)
     case = a_case(model, joint, Loading(Direction(0.0)), 0.04)
     arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}

@@ -1,36 +1,32 @@
-"""The command: what it prints, and how it refuses."""
+"""The command: what it prints, its help, and how it refuses."""
 
 import csv
 import io
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from command_runner import answers, run
 
 from analysis.drawing import label_of
+from sidmacib import Elastic, law, lock_weights, lowest_peak, pairs_of, safe, sensitivity
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
+from sidmacib.command.options import GROUPS, Grouped
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
-from sidmacib.joint import Direction, HoldDown, Joint, UpperBody
-from sidmacib.joint.effects import sensitivity
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.joint.pieces import lock_weights
-from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static.peaks import lowest_peak
-from sidmacib.rule import law, safe
-from sidmacib.rule.pairs import pairs_of
 
 
 def test_capacity_prints_the_loads_of_the_library() -> None:
     rows = answers("capacity", "-n", "7", "-e", "0.3", "-e", "torsion", "-m", "law", "-m", "safe")
     joint = Joint(7)
-    for row, (ratio, rule) in zip(
-        rows, [(0.3, law), (0.3, safe), (math.inf, law), (math.inf, safe)], strict=True
-    ):
+    asked = [(0.3, law), (0.3, safe), (math.inf, law), (math.inf, safe)]
+    for row, (ratio, rule) in zip(rows, asked, strict=True):
         expected = rule(joint, Direction(ratio))
         assert row["V (N)"] == expected.shear
         assert row["M (N m)"] == expected.torque
@@ -72,17 +68,9 @@ def test_flags_make_the_joint() -> None:
     flags = ["-n", "4", "-a", "0.08", "-b", "0.04", "-h", "0.01", "-H", "0.05", "--cohesion", "7e4"]
     flags += ["--young", "1e10", "--upper-body", "monolithic", "--friction", "0.1"]
     (row,) = answers("capacity", *flags, "-m", "law")
-    plain = Joint(4, a=0.08, b=0.04, h=0.01, H=0.05, upper_body=UpperBody.MONOLITHIC)
-    inner = {**vars(plain.inner), "cohesion": 7e4}
-    dry = {**vars(plain.dry), "friction": 0.1}
-    joint = Joint(
-        **{
-            **{name: getattr(plain, name) for name in ("locks", "a", "b", "h", "H", "upper_body")},
-            "inner": type(plain.inner)(**inner),
-            "dry": type(plain.dry)(**dry),
-            "elastic": Elastic(1e10),
-        }
-    )
+    inner, dry = replace(INNER, cohesion=7e4), replace(DRY, friction=0.1)
+    materials = {"inner": inner, "dry": dry, "elastic": Elastic(1e10)}
+    joint = Joint(4, 0.08, 0.04, 0.01, 0.05, upper_body=UpperBody.MONOLITHIC, **materials)
     assert row["V (N)"] == law(joint, Direction(0.0)).shear
 
 
@@ -145,8 +133,8 @@ def test_weights_are_those_of_each_lock() -> None:
     rows = answers("weights", "-n", "5", "-e", "0.3")
     joint = Joint(5)
     problem = posed(joint, Loading(Direction(0.3)), 0.24975 * joint.b)
-    assembly, found = problem.assembly, lowest_peak(*problem)
-    for row, lock in zip(rows, lock_weights(joint, assembly, found.peak.force), strict=True):
+    locks = lock_weights(joint, problem.assembly, lowest_peak(*problem).peak.force)
+    for row, lock in zip(rows, locks, strict=True):
         assert (row["lock"], row["block"]) == (lock.lock, lock.block)
         assert row["weight"] == pytest.approx(lock.weight)
         assert row["largest shear / cohesion"] == pytest.approx(lock.max_shear_ratio)
@@ -180,9 +168,8 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
 def test_effects_on_pieces_that_bend_are_refused_in_one_line() -> None:
     found = run("sensitivity", "-n", "3", "--young", "1e10")
     assert found.exit_code == 1
-    assert found.stderr == (
-        "Error: sensitivity: for rigid pieces only; elastic ones take minutes each\n"
-    )
+    said = "Error: sensitivity: for rigid pieces only; elastic ones take minutes each\n"
+    assert found.stderr == said
 
 
 def test_the_law_prints_how_many_locks_work() -> None:
@@ -199,9 +186,8 @@ def test_the_law_prints_how_many_locks_work() -> None:
         expected[f"V (N), {rule.__name__}"] = shear
         expected[f"effective locks, {rule.__name__}"] = shear / joint.T0
     assert values == pytest.approx(expected)
-    assert (
-        float(str(values["effective locks, safe"])) < float(str(values["effective locks, law"])) < 4
-    )
+    safely, by_law = (float(str(values[f"effective locks, {rule}"])) for rule in ("safe", "law"))
+    assert safely < by_law < 4
 
 
 def test_tables_are_aligned_and_csv_is_csv() -> None:
@@ -251,13 +237,6 @@ def test_errors_name_flag_value_and_what_is_allowed(arguments: tuple[str, ...], 
     assert "Traceback" not in found.output
 
 
-@pytest.mark.parametrize("command", ["capacity", "envelope", "weights", "law"])
-def test_help_is_there_for_every_command(command: str) -> None:
-    found = run(command, "--help")
-    assert found.exit_code == 0
-    assert "Usage" in found.output
-
-
 def test_pictures_have_the_colours_of_the_figures() -> None:
     assert {name: label_of(name).colour for name in NAMES}.items() <= COLOURS.items()
 
@@ -276,9 +255,8 @@ def test_a_picture_of_weights_has_a_bar_for_each_lock() -> None:
 
 def test_friction_in_degrees_is_doubted() -> None:
     found = run("capacity", "--friction", "30", "-m", "static", "-n", "3")
-    assert "Note: friction: 30 is very large; is it an angle in degrees? tan(30°) = 0.577" in (
-        found.stderr
-    )
+    words = "Note: friction: 30 is very large; is it an angle in degrees? tan(30°) = 0.577"
+    assert words in found.stderr
 
 
 def test_too_large_a_limit_analysis_is_refused_in_one_line() -> None:
@@ -308,3 +286,35 @@ def test_an_unknown_unit_of_the_answer_is_named() -> None:
     done = run("capacity", "-m", "law", "--units", "kN,stone")
     assert done.exit_code == 2
     assert "--units: 'stone' is not a unit; it must be one of m, mm" in done.output
+
+
+COLUMNS = 80
+
+
+@pytest.mark.parametrize("command", ["", *main.commands])
+def test_no_line_of_the_help_is_wider_than_a_terminal(command: str) -> None:
+    found = run(*filter(None, [command]), "--help")
+    assert found.exit_code == 0 and "Usage" in found.output
+    assert all(len(line) <= COLUMNS for line in found.output.splitlines())
+
+
+def test_no_summary_is_cut_off_in_the_list_of_commands() -> None:
+    listed = run("--help").output.partition("Commands:\n")[2]
+    assert len(listed.splitlines()) == len(main.commands)
+    assert "..." not in listed
+
+
+@pytest.mark.parametrize("command", ["capacity", "envelope", "weights", "sensitivity", "joint"])
+def test_options_stand_under_the_heading_of_their_group(command: str) -> None:
+    parts = re.split(r"^(\S.*):\n(?=  )", run(command, "--help").output, flags=re.MULTILINE)
+    under = dict(zip(parts[1::2], parts[2::2], strict=True))
+    assert [group for group in GROUPS if group in under] == [*under]
+    for option in main.commands[command].params:
+        if isinstance(option, Grouped):
+            assert re.search(rf"^  {option.opts[0]}\b", under[option.group], re.MULTILINE)
+
+
+def test_sizes_have_long_names() -> None:
+    short = answers("law", "-n", "7", "-a", "0.08", "-b", "0.04", "-h", "0.01", "-H", "0.06")
+    sizes = ("--length", "0.08", "--width", "0.04", "--height", "0.01", "--body-height", "0.06")
+    assert answers("law", "--locks", "7", *sizes) == short

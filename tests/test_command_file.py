@@ -25,7 +25,6 @@ def test_flags_go_before_a_file(tmp_path: Path) -> None:
         ("a:", "a: null is not a number"),
         ("[1, 2]", "must have names and values"),
         ("", "must have names and values"),
-        ("a: [", "line 2: not YAML"),
         ("a: -1", "a: -1 is not allowed; it must be greater than 0 (m)"),
         ("dry_stiffness: -1", "dry_stiffness: -1 is not allowed; it must be greater than 0 (Pa/m)"),
         ("poisson: 0.7", "poisson: 0.7 has no effect on rigid pieces; give young too"),
@@ -41,21 +40,14 @@ def test_flags_go_before_a_file(tmp_path: Path) -> None:
             "hold_down: force: -1 is not allowed; it must be at least 0 (N)",
         ),
         ("hold_down: 1:30", "hold_down: '1:30' is not allowed; it must be plate, weight, "),
-        ("upper_body: ]", "line 1: not YAML"),
         ("upper_body: 3", "upper_body: 3 is not allowed; it must be columns, joined or monolithic"),
         ("failure: soft", "failure: 'soft' is not allowed; it must be brittle, softening or"),
         ("a: 1" + "0" * 400, "is not a number"),
-        ("locks: 1" + "0" * 400, "is not a number"),
-        ("a: " + "[" * 5000, "line 1: nested too deeply"),
         ("a: \0", "line 1: not text"),
         ("a: !!python/name:os.system 1", "the tag tag:yaml.org,2002:python/name:os.system is"),
-        ("? [1]\n: 2", "keys must be plain words"),
-        ("a: &x [*x]", "line 1: not YAML: found unconstructable recursive node"),
     ],
 )
-def test_faults_in_a_file_are_reported_with_its_name(
-    tmp_path: Path, content: str, words: str
-) -> None:
+def test_faults_in_a_file_are_told_with_its_name(tmp_path: Path, content: str, words: str) -> None:
     path = tmp_path / "joint.yaml"
     path.write_text(content)
     found = run("capacity", "--file", str(path))

@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 from command_runner import answers, run
 
+from sidmacib import Demand, Joint, Prices, cheapest, fewest_locks
 from sidmacib.command.inverse import chart, prices_of, sought, values_of
-from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
-from sidmacib.rule.inverse import Demand, Prices, cheapest, fewest_locks
 
 SIZES = ("-a", "0.08", "-H", "0.06")
 JOINT = Joint(5, a=0.08, H=0.06)
@@ -29,7 +28,6 @@ def test_the_cheapest_sizes_are_those_of_the_library() -> None:
     (row,) = answers("joint", "-n", "6", "-V", "300", "-M", "5", *SIZES, *vary)
     values = {"a": (0.06, 0.07, 0.08, 0.09, 0.1), "h": (0.006, 0.008)}
     found = cheapest(Joint(6, H=0.06), Demand(300.0, 5.0), values).found
-    assert found is not None
     assert (row["a (m)"], row["h (m)"]) == (found.joint.a, found.joint.h)
     assert (row["safe V (N)"], row["safe M (N m)"]) == (found.shear, found.torque)
 
@@ -76,19 +74,15 @@ def test_the_strongest_joint_is_said_to_reach_its_share_of_the_load(load: str) -
         (("-V", "3", "--vary", "a=1", "--price", "area=0"), "must be more than 0"),
     ],
 )
-def test_what_makes_no_question_is_refused_in_one_line(
-    arguments: tuple[str, ...], words: str
-) -> None:
+def test_what_makes_no_question_is_told_in_a_line(arguments: tuple[str, ...], words: str) -> None:
     found = run("joint", *arguments)
     assert found.exit_code in (1, 2)
     assert words in found.output.splitlines()[-1]
 
 
 def test_values_and_prices_are_read() -> None:
-    assert values_of(["a=0.04:0.06:0.01", "locks=3:5"]) == {
-        "a": (0.04, 0.05, 0.06),
-        "locks": (3, 4, 5),
-    }
+    found = values_of(["a=0.04:0.06:0.01", "locks=3:5"])
+    assert found == {"a": (0.04, 0.05, 0.06), "locks": (3, 4, 5)}
     assert prices_of(["volume=2e4", "area=100"]) == Prices(100.0, 2e4, 0.0)
     assert prices_of([]) == Prices()
 

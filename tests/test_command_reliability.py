@@ -8,10 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 from chromium import needs_browser
-from click.testing import CliRunner
+from command_runner import run as command
 
 import sidmacib
-from sidmacib.command.main import main
 from sidmacib.rule.reliability import Reliability
 
 GIVEN = ["-n", "9", "-a", "0.08", "-H", "0.06", "-e", "0.3"]
@@ -19,7 +18,7 @@ JOINT, DIRECTION = sidmacib.Joint(9, a=0.08, H=0.06), sidmacib.Direction(0.3)
 
 
 def run(*words: str, code: int = 0) -> str:
-    found = CliRunner().invoke(main, list(words))
+    found = command(*words)
     assert found.exit_code == code, found.output
     return found.output
 

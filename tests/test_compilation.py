@@ -1,6 +1,5 @@
 """Compiled functions: none is kept after a change of one that it calls."""
 
-import os
 import shutil
 import subprocess
 import sys
@@ -9,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from processes import python
 
 import sidmacib
 from sidmacib.answers.joint import quick_path
@@ -35,11 +35,8 @@ def applied(value):
 def answer(folder: Path) -> str:
     """What the outer function makes of 3, in a new process."""
     code = "from kernels.outer import applied; print(applied(3.0))"
-    environment = os.environ | {"PYTHONPATH": str(folder)}
-    command = [sys.executable, "-c", code]
-    return subprocess.run(
-        command, check=True, capture_output=True, text=True, env=environment, cwd=folder
-    ).stdout.strip()
+    found = python("-c", code, check=True, cwd=folder, PYTHONPATH=str(folder))
+    return found.stdout.strip()
 
 
 @pytest.fixture
@@ -87,17 +84,13 @@ def answers(package: Path, before: str = "", **environment: str) -> str:
     return done.stdout.strip()
 
 
-def test_without_a_folder_to_write_to_functions_are_compiled_for_the_process(
-    kernels: Path,
-) -> None:
+def test_without_a_folder_to_write_to_they_are_compiled_for_the_process(kernels: Path) -> None:
     (kernels / "__pycache__").touch()  # a file where numba's folder would be
     assert answers(kernels.parent, HOME="/dev/null", NUMBA_CACHE_DIR="/dev/null") == "6.0"
     assert not list(kernels.rglob("*.nb?"))
 
 
-def test_where_nothing_can_be_written_any_more_the_answer_is_given(
-    kernels: Path, tmp_path: Path
-) -> None:
+def test_where_nothing_can_be_written_the_answer_is_given(kernels: Path, tmp_path: Path) -> None:
     full = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))"
     assert answers(kernels.parent, full, NUMBA_CACHE_DIR=str(tmp_path / "c")) == "6.0"
     assert not list(tmp_path.rglob("*.nb?"))

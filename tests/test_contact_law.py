@@ -53,6 +53,11 @@ def test_a_bond_that_has_faded_is_as_much_softer_but_pressed_together(
     assert force == pytest.approx((normal, whole * SHEAR * x, whole * SHEAR * y))
 
 
+def tangent_of(*node: float) -> np.ndarray:
+    t00, t10, t20, t11, t12, t22 = node_tangent(*node)
+    return np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
+
+
 # Friction coefficient, given friction (N) and what is left of the bond.
 TANGENTS = [(FRICTION, 0.0, 0.0), (FRICTION, 0.0, 0.3), (FRICTION, 0.0, 1.0), (0.0, 2.0, 0.0)]
 
@@ -65,13 +70,11 @@ def test_the_tangent_is_the_derivative_of_the_force(
     cone = node[0] * NORMAL * n + node[1]
     # Away from where the derivative jumps: opening, the edge of the cone and its tip.
     assume(abs(n) > 1e-8 and slip > 1e-7 and abs(SHEAR * slip - cone) > 1e-2)
-    t00, t10, t20, t11, t12, t22 = node_tangent(*constants, n, x, y)
-    expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
+    expected = tangent_of(*constants, n, x, y)
     for axis, move in enumerate(np.eye(3) * step):
-        after, before = (
-            node_force(*constants, n + d[0], x + d[1], y + d[2]) for d in (move, -move)
-        )
-        derivative = (np.array(after) - np.array(before)) / (2 * step)
+        places = (np.array([n, x, y]) + each for each in (move, -move))
+        after, before = (np.array(node_force(*constants, *place)) for place in places)
+        derivative = (after - before) / (2 * step)
         assert derivative == pytest.approx(expected[:, axis], rel=1e-3, abs=1e-3 * NORMAL)
 
 
@@ -79,9 +82,9 @@ def test_the_tangent_is_the_derivative_of_the_force(
 def test_given_friction_makes_forces_that_have_a_convex_energy(
     n: float, x: float, y: float, other_n: float, other_x: float, other_y: float, whole: float
 ) -> None:
-    contact_law, limit = (NORMAL, SHEAR, 0.0), 2.0
-    here, there = np.array([n, x, y]), np.array([other_n, other_x, other_y])
-    forces = [np.array(node_force(*contact_law, limit, whole, *place)) for place in (here, there)]
+    here, there, limit = np.array([n, x, y]), np.array([other_n, other_x, other_y]), 2.0
+    node = (NORMAL, SHEAR, 0.0, limit, whole)
+    forces = [np.array(node_force(*node, *place)) for place in (here, there)]
     assert (forces[1] - forces[0]) @ (there - here) >= -1e-12
     if not whole:
         assert all(math.hypot(force[1], force[2]) <= limit * (1 + 1e-12) for force in forces)
@@ -89,17 +92,14 @@ def test_given_friction_makes_forces_that_have_a_convex_energy(
 
 def test_nodes_together_have_the_law_of_each() -> None:
     random, count = np.random.default_rng(1), 50
-    law = np.array(
-        [*1e6 * (1.0 + random.random((2, count))), random.random(count), np.zeros(count)]
-    )
+    stiffness = 1e6 * (1.0 + random.random((2, count)))
+    law = np.array([*stiffness, random.random(count), np.zeros(count)])
     whole, moved = random.choice([0.0, 0.3, 1.0], count), 1e-6 * random.normal(size=(count, 3))
     force, tangent = forces_and_tangents(law, np.zeros((count, 2)), whole, moved)
     for n in range(count):
         node = (*law[:, n], whole[n], *moved[n])
         assert force[n] == pytest.approx(node_force(*node))
-        t00, t10, t20, t11, t12, t22 = node_tangent(*node)
-        expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
-        assert tangent[n] == pytest.approx(expected)
+        assert tangent[n] == pytest.approx(tangent_of(*node))
 
 
 def bonds(joint: Joint) -> tuple[ContactLaw, NodeState]:
@@ -112,13 +112,9 @@ def test_utilisation_is_the_larger_of_shear_and_tension_over_strength(
     shear: float, tension: float, angle: float
 ) -> None:
     contact_law, state = bonds(Joint(3))
-    force = np.column_stack(
-        [
-            -tension * contact_law.tensile_strength,
-            shear * math.cos(angle) * contact_law.shear_strength,
-            shear * math.sin(angle) * contact_law.shear_strength,
-        ]
-    )
+    x, y = shear * math.cos(angle), shear * math.sin(angle)
+    strength = contact_law.shear_strength
+    force = np.column_stack([-tension * contact_law.tensile_strength, x * strength, y * strength])
     assert utilisation(contact_law, state, force) == pytest.approx(max(shear, tension))
 
 
@@ -157,13 +153,10 @@ def test_scripts_of_engines_know_the_same_strengths() -> None:
 
 
 def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:
-    model = block_on_ground(joint, Kind.INNER, 0.02)
-    contact_law = ContactLaw.of(model)
-    area = joint.a * joint.b
-    assert contact_law.shear_strength.sum() == pytest.approx(INNER.cohesion * area)
-    assert contact_law.tensile_strength.sum() == pytest.approx(INNER.tensile_strength * area)
-    assert contact_law.normal_stiffness.sum() == pytest.approx(INNER.normal_stiffness * area)
-    assert contact_law.shear_stiffness.sum() == pytest.approx(INNER.shear_stiffness * area)
+    contact_law = ContactLaw.of(block_on_ground(joint, Kind.INNER, 0.02))
+    for name in ("shear_strength", "tensile_strength", "normal_stiffness", "shear_stiffness"):
+        of_area = getattr(INNER, "cohesion" if name == "shear_strength" else name)
+        assert getattr(contact_law, name).sum() == pytest.approx(of_area * joint.a * joint.b)
 
 
 @pytest.mark.parametrize("name", ["cohesion", "tensile_strength"])

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import loaded
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib import Joint, NodeLayout, assemble
 from sidmacib.mechanics.contact_nodes import cell_counts, contact_nodes, side_rule
 from sidmacib.mechanics.static import StaticSolution, static_peak
 
@@ -20,8 +18,7 @@ NODES = {NodeLayout.CENTRES: 4, NodeLayout.VERTICES: 5, NodeLayout.LOBATTO: 9}  
 
 
 def solved(joint: Joint, mesh: float, nodes: NodeLayout, eccentricity: float) -> StaticSolution:
-    model = assemble(joint, mesh, nodes)
-    return static_peak(model, lateral_load(joint, model, Loading(Direction(eccentricity))))
+    return static_peak(*loaded(joint, eccentricity, mesh, nodes))
 
 
 @given(st.sampled_from(LAYOUTS), st.integers(1, 40))
@@ -70,9 +67,8 @@ def test_the_nodes_of_a_face_have_its_area_and_its_middle(layout: NodeLayout, me
     for number, face in enumerate(model.faces):
         on_face = model.nodes.face == number
         assert model.nodes.area[on_face].sum() == pytest.approx(face.area)
-        middle = np.average(
-            model.nodes.position[on_face], axis=0, weights=model.nodes.area[on_face]
-        )
+        places, areas = model.nodes.position[on_face], model.nodes.area[on_face]
+        middle = np.average(places, axis=0, weights=areas)
         assert middle == pytest.approx((np.array(face.low) + face.high) / 2)
         assert np.ptp(model.nodes.position[on_face], axis=0)[face.axis] == 0.0
 
@@ -90,9 +86,7 @@ def test_no_cell_is_longer_than_the_mesh() -> None:
 
 @pytest.mark.parametrize("locks", [3, 5])
 @pytest.mark.parametrize("eccentricity", [0.0, 0.35, math.inf])
-def test_lobatto_nodes_find_the_first_failure_on_a_coarse_mesh(
-    locks: int, eccentricity: float
-) -> None:
+def test_lobatto_nodes_find_first_failure_on_coarse_meshes(locks: int, eccentricity: float) -> None:
     joint = Joint(locks)
     coarse, fine = (
         solved(joint, mesh, NodeLayout.LOBATTO, eccentricity).first_failure_load
@@ -110,9 +104,8 @@ def test_the_first_failure_under_torque_converges_at_the_order_of_the_layout(
     joint = Joint(3)
     limit = solved(joint, 0.0025, NodeLayout.LOBATTO, math.inf).first_failure_load
     meshes = (0.02, 0.01, 0.005)
-    errors = [
-        solved(joint, mesh, layout, math.inf).first_failure_load / limit - 1.0 for mesh in meshes
-    ]
+    firsts = (solved(joint, mesh, layout, math.inf).first_failure_load for mesh in meshes)
+    errors = [first / limit - 1.0 for first in firsts]
     found = -np.polyfit(np.log(1.0 / np.array(meshes)), np.log(errors), 1)[0]
     assert found == pytest.approx(order, abs=0.3)
     assert min(errors) > 0.0  # from above: unsafe

@@ -14,18 +14,13 @@ from pathlib import Path
 
 import pytest
 import yaml
+from campaigns.counts import tables_of
 from conftest import ROOT
-from tables import tables_of
+from small import BOTH, COARSE
 
 BASE = "docker.io/library/debian:12-slim"
 IMAGE, CONTAINER = "localhost/multilock-test", "multilock-test"
-STUDY = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
-    "models": ["static", "limit"],
-    "dem": {"engines": ["yade", "liggghts"]},
-    "eccentricities": [0, "torsion"],
-}
+STUDY = COARSE | BOTH | {"models": ["static", "limit"], "eccentricities": [0, "torsion"]}
 PLACE = "/study"  # in the container
 pytestmark = [
     pytest.mark.machine,
@@ -70,9 +65,7 @@ def container(tmp_path: Path) -> Iterator[str]:
             subprocess.run(["buildah", *words], capture_output=True, check=False)
 
 
-def test_a_study_in_the_container_has_the_same_tables_as_here(
-    container: str, tmp_path: Path
-) -> None:
+def test_a_study_in_the_container_has_the_tables_of_here(container: str, tmp_path: Path) -> None:
     folder = tmp_path / "study"
     folder.mkdir()
     (folder / "study.yaml").write_text(yaml.safe_dump(STUDY))

@@ -1,6 +1,7 @@
 """Interfaces whose blocks have a compressive strength, against closed forms."""
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,13 @@ import pytest
 import shapely
 import yaml
 from command_runner import run
+from conftest import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 from structures import example
 
-from sidmacib.answers.structure import static_answer
+from sidmacib.answers.structure import CRUSHING, static_answer
 from sidmacib.design.file import task_of
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
@@ -22,10 +24,12 @@ from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.crushing import _stress_blocks
 from sidmacib.mechanics.limit import limit_load
+from sidmacib.problem import Problem
 from sidmacib.structure.analysis.capacity_curve import capacity_curve
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.yaml_text import read_yaml
 
 STRENGTH = 5e5  # Pa
 WIDTH, DEPTH, HEIGHT = 1.0, 0.6, 2.0
@@ -50,6 +54,16 @@ def pressed(x: float, y: float) -> dict[str, Any]:
     return {"force": {"block": "pier", "at": at, "direction": [0, 0, -1]}}
 
 
+def assert_both_crush(problem: Problem, limit: float) -> None:
+    """Forces can go nowhere else: an interface is crushed at the ``limit`` of limit analysis."""
+    found = static_answer(problem)
+    assert found.mode == CRUSHING
+    assert found.load == found.path[-1].load == pytest.approx(limit, rel=1e-6)
+    words = found.counts.why.split("; ")[1]
+    told = re.fullmatch(r"ground-pier is at its compressive strength from (\S+) \w+ on", words)
+    assert told and float(told[1]) == pytest.approx(limit, rel=1e-3)
+
+
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.2, 0.25, 0.37, 0.45])
 def test_a_block_under_an_eccentric_load_carries_a_rectangular_stress_block(share: float) -> None:
     """N = f_c b (h - 2 e), of the load and the weight, which is in the middle."""
@@ -58,6 +72,8 @@ def test_a_block_under_an_eccentric_load_carries_a_rectangular_stress_block(shar
         normal = found + WEIGHT
         exact = STRENGTH * WIDTH * DEPTH * (1.0 - 2.0 * share * found / normal)
         assert CLOSE * exact <= normal <= exact * (1.0 + 1e-6)
+        if share == 0.25:  # and in the static model, which has no other limit
+            assert_both_crush(structure_of(pier(load)), found)
 
 
 def test_a_pier_overturns_about_the_middle_of_what_is_pressed() -> None:
@@ -67,7 +83,7 @@ def test_a_pier_overturns_about_the_middle_of_what_is_pressed() -> None:
     exact = WEIGHT * (WIDTH - depth) / HEIGHT
     load = limit_load(*problem, friction=True).load
     assert CLOSE * exact <= load <= exact
-    assert static_answer(problem).load == pytest.approx(WEIGHT * WIDTH / HEIGHT, rel=1e-3)
+    assert_both_crush(problem, load)
 
 
 def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
@@ -76,8 +92,10 @@ def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
         return STRENGTH * DEPTH * (WIDTH - 2 * e) - WEIGHT * math.cos(angle)
 
     exact = math.degrees(brentq(left, 0.0, math.atan(WIDTH / HEIGHT)))
-    model = structure_of(pier({"acceleration": [1, 0, 0]})).assembly
-    assert limit_tilt(model, Tilt((0, 1, 0))).angle == pytest.approx(exact, rel=5e-3)
+    problem = structure_of(pier({"tilt": {"axis": [0, 1, 0]}}))
+    found = limit_tilt(problem.assembly, Tilt((0, 1, 0))).angle
+    assert found == pytest.approx(exact, rel=5e-3)
+    assert_both_crush(problem, found)
 
 
 def test_bonds_that_pull_press_the_other_side_more() -> None:
@@ -123,16 +141,33 @@ def test_no_stress_block_of_any_direction_is_taken_to_carry_more(
         assert use <= 1.3  # which the polyhedron is not far inside of, however askew
 
 
+def test_forces_that_can_go_elsewhere_carry_more_than_what_crushes_first() -> None:
+    """An arch with its first hinge is no mechanism: limit analysis decides, below the peak."""
+    arch = read_yaml(ROOT / "studies/arch/arch.yaml")
+    without = static_answer(structure_of(arch)).load
+    arch["interfaces"]["compressive_strength"] = 3e5
+    problem = structure_of(arch)
+    found = static_answer(problem)
+    limit = limit_load(*problem, friction=True).load
+    assert found.load == pytest.approx(limit, rel=1e-6)
+    assert limit < 0.95 * without
+    assert float(found.counts.why.split(" N on")[0].split()[-1]) < 0.8 * limit
+    arch["interfaces"] |= {"compressive_strength": 1e12, "friction": 0.35}
+    slides = static_answer(structure_of(arch))
+    assert slides.load < limit_load(*structure_of(arch), friction=True).load
+    assert slides.mode != CRUSHING
+
+
 def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> None:
     path = tmp_path / "pier.yaml"
     path.write_text(yaml.safe_dump(pier({"acceleration": [1, 0, 0], "newtons": "5kN"})))
     found = run("assembly", str(path))
     assert "; crushed: ground-pier; largest displacement: pier" in found.output
-    assert "counts: no bond fails before the peak; no crushing; failure mode" in found.output
     line = found.output.splitlines()[0]
     assert line == (
-        "Yes: it carries 5000 N with a factor of 2.17 to the limit with crushing, 2.35; only limit "
-        "analysis considers crushing"
+        "Yes: it carries 5000 N with a factor of 2.17; the peak counts: limited by crushing in "
+        "limit analysis; ground-pier is at its compressive strength from 10847 N on; without "
+        "crushing 11772 N"
     )
     heavy = pier({"acceleration": [1, 0, 0], "newtons": "5kN"}, strength=0.9 * 2000 * GRAVITY * 2)
     path.write_text(yaml.safe_dump(heavy))

@@ -9,9 +9,7 @@ from conftest import with_subject
 
 from sidmacib.engines.results import force_to_stress
 from sidmacib.errors import ResultError
-from sidmacib.joint.loading import lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Assembly, Elastic
+from sidmacib.mechanics.assembly import Elastic
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models.static import solve
 from sidmacib.problem import Outcome
@@ -38,9 +36,7 @@ def static_outcome(case: JointCase) -> Outcome:
 
 def returned(case: JointCase, load: float) -> str:
     """What 3DEC would print if it found what the static model finds."""
-    assembly = assemble(case.subject.joint, case.subject.mesh, case.subject.nodes)
-    peak = static_outcome(case).path[-1]
-    assert peak.force is not None
+    assembly, peak = case.subject.problem().assembly, static_outcome(case).path[-1]
     nodes = assembly.nodes
     forces = force_to_stress(nodes, face_frames(assembly), peak.force) * nodes.area[:, None]
     lines = [
@@ -48,9 +44,8 @@ def returned(case: JointCase, load: float) -> str:
         f"MULTILOCK|CASE|{fingerprint(case)}",
         f"MULTILOCK|LOAD|{load}|{1.001 * load}",
     ]
-    for number, place, area, force in zip(
-        nodes.face, nodes.position, nodes.area, forces, strict=True
-    ):
+    rows = zip(nodes.face, nodes.position, nodes.area, forces, strict=True)
+    for number, place, area, force in rows:
         face = assembly.faces[number]
         pair = [assembly.pieces[face.below].name, assembly.pieces[face.above].name]
         values = [*place, area, *force, 0]
@@ -58,12 +53,8 @@ def returned(case: JointCase, load: float) -> str:
     return "\n".join([*lines, "MULTILOCK|END"])
 
 
-def discretised(case: JointCase) -> Assembly:
-    return assemble(case.subject.joint, case.subject.mesh, case.subject.nodes)
-
-
 def test_blocks_are_the_pieces_and_fixed_where_they_are(case: JointCase) -> None:
-    text, model = deck(case), discretised(case)
+    text, model = deck(case), case.subject.problem().assembly
     bricks = re.findall(rf"block create brick {' '.join([NUMBER] * 6)}", text)
     groups = re.findall(r"^block group '(\w+)'", text, re.MULTILINE)
     assert groups == [piece.name for piece in model.pieces]
@@ -75,7 +66,7 @@ def test_blocks_are_the_pieces_and_fixed_where_they_are(case: JointCase) -> None
 
 
 def test_every_face_has_its_law(case: JointCase) -> None:
-    text, model = deck(case), discretised(case)
+    text, model = deck(case), case.subject.problem().assembly
     found = re.findall(
         rf"friction {NUMBER} cohesion {NUMBER} tension {NUMBER} range group-intersection"
         r" '(\w+)' '(\w+)'",
@@ -90,14 +81,14 @@ def test_every_face_has_its_law(case: JointCase) -> None:
 
 
 def test_forces_on_the_corners_have_the_resultant_of_the_load(case: JointCase) -> None:
-    text, model = deck(case), discretised(case)
+    text, model = deck(case), case.subject.problem().assembly
     found = re.findall(
         rf"force-x {NUMBER} force-y {NUMBER} force-z {NUMBER} range group '(\w+)' sphere center "
         rf"{NUMBER} {NUMBER} {NUMBER}",
         text,
     )
     increment = INCREMENT * case.subject.joint.T0
-    loads = lateral_load(case.subject.joint, model, case.subject.loading).variable
+    loads = case.subject.problem().loads.variable
     for piece, load in zip(model.pieces, loads, strict=True):
         if not load.any():
             continue
@@ -121,9 +112,8 @@ def test_what_comes_back_reads_like_any_other_model(case: JointCase) -> None:
 
 def test_results_of_another_case_or_cut_short_are_refused(case: JointCase) -> None:
     text = returned(case, 100.0)
-    with pytest.raises(
-        ResultError, match=r"results of other-.*; they must be results of n3-mesh0.03"
-    ):
+    words = r"results of other-.*; they must be results of n3-mesh0.03"
+    with pytest.raises(ResultError, match=words):
         read_returned(text.replace(case.name, "other"), case)
     with pytest.raises(ResultError, match=r"incomplete; run the deck again"):
         read_returned(text.removesuffix("MULTILOCK|END"), case)
@@ -131,9 +121,8 @@ def test_results_of_another_case_or_cut_short_are_refused(case: JointCase) -> No
 
 def test_a_face_that_is_not_covered_is_named(case: JointCase) -> None:
     lines = [x for x in returned(case, 100.0).splitlines() if "lock1|column1" not in x]
-    with pytest.raises(
-        ResultError, match=r"0 m2 of subcontacts on inner-lock1-column1; they must cover"
-    ):
+    words = r"0 m2 of subcontacts on inner-lock1-column1; they must cover"
+    with pytest.raises(ResultError, match=words):
         read_returned("\n".join(lines), case)
 
 

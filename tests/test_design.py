@@ -37,7 +37,6 @@ def test_a_whole_number_of_locks_is_the_least_that_is_enough() -> None:
     needs = (LOAD - FRICTION * free_weight(blocks)) / T1
     assert found.cost == np.ceil(needs) == 2.0
     (layout,) = choice_of(given, found.parts)
-    assert layout is not None
     assert layout.run == (1.0, 0.0, 0.0)  # across the push
     (state,) = carried(given, [layout])
     assert state.factor == pytest.approx((2 * T1 + FRICTION * free_weight(blocks)) / LOAD, rel=1e-7)
@@ -114,11 +113,8 @@ def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     assembly = structure(stack(), dry(0.2))
     loads = force_at(assembly, "upper", (0.25, 0.3, 0.3), (-0.25, 1.0, 0.0))
     given = design_on(assembly, [LoadCase("push", loads, 1000.0)], angles=(20.0,), most=2)
-    sizes = (1, 2)
-    choice = [
-        next(each for each in site.layouts if each.working == size)
-        for site, size in zip(given.sites, sizes, strict=True)
-    ]
+    sites = zip(given.sites, (1, 2), strict=True)
+    choice = [next(k for k in site.layouts if k.working == size) for site, size in sites]
     (state,) = carried(given, choice)
     step = 1e-3
 

@@ -8,23 +8,21 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from click.testing import CliRunner
+from command_runner import run as command
 from conftest import ROOT
 
-from sidmacib.command.main import main
+from sidmacib import InfeasibleError, limit_load, static_peak
 from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.designed import design_of
 from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import designed, read_task, task_of
-from sidmacib.errors import InfeasibleError
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.structure import refined
 
 
 def two_blocks() -> dict[str, Any]:
     """A block on a base; one lock would do in limit analysis, not in the static model."""
+    force = {"block": "block", "at": [0.2, 0, 0.05], "direction": [0, 1, 0]}
     return {
         "blocks": {
             "base": {"low": [0, 0, -0.3], "high": [0.4, 0.6, 0], "fixed": True},
@@ -33,18 +31,13 @@ def two_blocks() -> dict[str, Any]:
         "interfaces": {"friction": 0.3},
         "design": {
             "locks": {"width": 0.05, "height": 0.02},
-            "cases": {
-                "push": {
-                    "force": {"block": "block", "at": [0.2, 0, 0.05], "direction": [0, 1, 0]},
-                    "newtons": 2000,
-                }
-            },
+            "cases": {"push": {"force": force, "newtons": 2000}},
         },
     }
 
 
 def run(path: Path, *more: str) -> tuple[int, dict[str, Any]]:
-    result = CliRunner().invoke(main, ["design", str(path), "--quiet", "--format", "json", *more])
+    result = command("design", str(path), "--quiet", "--format", "json", *more)
     assert "Traceback" not in result.output
     return result.exit_code, json.loads(result.stdout)
 
@@ -84,9 +77,8 @@ def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
     path.write_text(yaml.safe_dump(given))
     code, answer = run(path)
     assert code == 1
-    assert answer["verdict"].startswith(
-        "FAIL: the best design found, of 1 load-bearing locks in 1 of 1 interfaces"
-    )
+    words = "FAIL: the best design found, of 1 load-bearing locks in 1 of 1 interfaces"
+    assert answer["verdict"].startswith(words)
     assert "static, peak, push: 0.9" in answer["verdict"]
 
 
@@ -178,10 +170,8 @@ def test_the_first_failure_may_decide() -> None:
 def test_more_than_there_is_room_for_is_refused_with_the_largest_factor() -> None:
     given = two_blocks()
     given["design"]["cases"]["push"]["newtons"] = 100_000
-    with pytest.raises(
-        InfeasibleError,
-        match=r'even with every possible lock, load case "push" reaches a factor of 0\.\d+ ',
-    ):
+    words = r'even with every possible lock, load case "push" reaches a factor of 0\.\d+ '
+    with pytest.raises(InfeasibleError, match=words):
         design_of(task_of(given))
 
 
@@ -194,10 +184,8 @@ def niche() -> dict[str, Any]:
     given["design"]["angles"] = [0, 90]
     up = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 0, 1]}
     side = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 1, 0]}
-    given["design"]["cases"] = {
-        "up": {"force": up, "newtons": 3500},
-        "side": {"force": side, "newtons": 2500},
-    }
+    cases = {"up": {"force": up, "newtons": 3500}, "side": {"force": side, "newtons": 2500}}
+    given["design"]["cases"] = cases
     return given
 
 
@@ -264,7 +252,7 @@ def test_every_fault_is_one_line_that_names_the_key(
         inside = inside[key]
     inside[keys[-1]] = value
     path.write_text(yaml.safe_dump(given))
-    result = CliRunner().invoke(main, ["design", str(path)])
+    result = command("design", str(path))
     assert result.exit_code == 1
     assert result.stderr.startswith(f"Error: {words}"), result.stderr
     assert result.stderr.count("\n") == 1

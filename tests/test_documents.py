@@ -2,16 +2,15 @@
 
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from chromium import CHROMIUM, Opened
-from click.testing import CliRunner
+from command_runner import run
 from conftest import ROOT
+from processes import python, ran
 from promises import require_kept
 
 from sidmacib.command.main import main
@@ -30,11 +29,8 @@ MADE = {  # by the site, from the code
     *(DOCS / name for name in ("configuration.md", "structure_file.md", "columns.md")),
     GALLERY / "index.rst",
 }
-PAGES = [
-    ROOT / "README.md",
-    ROOT / "CONTRIBUTING.md",
-    *(page for page in sorted(DOCS.rglob("*.md")) if page not in MADE),
-]
+FIRST = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+PAGES = [*FIRST, *(page for page in sorted(DOCS.rglob("*.md")) if page not in MADE)]
 EXAMPLES = {  # a study for what a page changes of one
     "samples": {"n3": {"locks": 3}},
     "samplings": {"short": {"joints": 64, "seed": 1}},
@@ -63,11 +59,8 @@ def inline(page: Path) -> list[str]:
 def commands(page: Path, program: str) -> list[list[str]]:
     """Words behind ``program`` in commands of a page, in blocks and in its prose."""
     lines = [line for block in blocks(page, "", "sh") for line in block.splitlines()]
-    words = [
-        shlex.split(line, comments=True)
-        for line in [*lines, *inline(page)]
-        if line.startswith(program + " ")
-    ]
+    called = [line for line in [*lines, *inline(page)] if line.startswith(program + " ")]
+    words = [shlex.split(line, comments=True) for line in called]
     return [each[1:] for each in words if each[0] == program]
 
 
@@ -101,17 +94,13 @@ def test_the_readme_is_short_and_has_examples_of_every_kind() -> None:
 
 
 def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    wanted = {
-        tuple(words)
-        for page in PAGES
-        for program in ("multilock", ".venv/bin/multilock")
-        for words in commands(page, program)
-    }
+    programs = ("multilock", ".venv/bin/multilock")
+    wanted = {tuple(words) for page in PAGES for name in programs for words in commands(page, name)}
     assert len(wanted) >= 5
     # Those whose output is shown are run for it by another test.
     for words in sorted(wanted - {words for _, words, _ in printed_in_pages()}):
         monkeypatch.chdir(ROOT if words[0] in ("assembly", "design") else tmp_path)
-        found = CliRunner().invoke(main, list(words))
+        found = run(*words)
         assert found.exit_code == 0, f"multilock {' '.join(words)}: {found.output}"
 
 
@@ -130,20 +119,16 @@ def test_the_command_prints_what_pages_show() -> None:
     shown = printed_in_pages()
     assert len(shown) >= 4
     for typed, words, expected in shown:
-        found = CliRunner().invoke(main, words)
+        found = run(*words)
         assert found.exit_code == 0, typed
         lines = map(str.rstrip, found.output.splitlines())
         assert "\n".join(lines) == expected.rstrip("\n"), typed
 
 
 @pytest.mark.study
-def test_the_site_is_built_without_a_warning(
-    tmp_path: Path, request: pytest.FixtureRequest
-) -> None:
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
-    done = subprocess.run(
-        [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
-    )
+def test_the_site_is_built_without_warnings(tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    command = ("-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html")
+    done = python(*command, DOCS, tmp_path)
     assert done.returncode == 0, done.stderr
     assert "sidmacib.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
@@ -207,9 +192,7 @@ def test_the_page_of_columns_has_every_table_and_no_broken_row() -> None:
 def test_make_knows_every_command() -> None:
     wanted = {tuple(words) for page in PAGES for words in commands(page, "make")}
     for words in wanted:
-        done = subprocess.run(
-            ["make", "--dry-run", *words], cwd=ROOT, capture_output=True, text=True, check=False
-        )
+        done = ran("make", "--dry-run", *words)
         assert done.returncode == 0, f"make {' '.join(words)}: {done.stderr}"
 
 
@@ -270,6 +253,5 @@ def test_the_way_of_the_data_leads_through_files_that_are_there() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_what_a_page_says_is_in_a_module_is_there(page: Path) -> None:
     for name, path in OWNED.findall(page.read_text()):
-        assert re.search(rf"^(class|def) {name}\b|^{name}\b.*=", (ROOT / path).read_text(), re.M), (
-            name
-        )
+        text = (ROOT / path).read_text()
+        assert re.search(rf"^(class|def) {name}\b|^{name}\b.*=", text, re.M), name

@@ -1,6 +1,7 @@
-"""Joints of elastic pieces: the rigid ones' limit, exact cases, energy and convergence."""
+"""Joints of elastic pieces: the rigid ones' limit, exact cases, energy, convergence, memory."""
 
 import math
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -9,26 +10,16 @@ from conftest import scaled
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
+from joints import loaded
 
-from sidmacib.errors import SolverError
-from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load
-from sidmacib.joint.loading import posed as posed_problem
-from sidmacib.joint.pieces import assemble, shared_face
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    Elastic,
-    FaceMaterial,
-    Floats,
-    Kind,
-    Loads,
-    NodeLayout,
-    SideLoad,
-)
-from sidmacib.mechanics.contact_law import NodeState
+from sidmacib import Assembly, CapacityError, Elastic, FaceMaterial, Loads, NodeLayout, SolverError
+from sidmacib.joint import HoldDown, Joint, Side, UpperBody
+from sidmacib.joint.loading import Push
+from sidmacib.joint.pieces import shared_face
+from sidmacib.mechanics.assembly import Cuboid, Kind, SideLoad
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.elastic.solver import ElasticSolver
+from sidmacib.mechanics.elastic import solver
+from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed
 from sidmacib.mechanics.equilibrium import unbalanced_forces, unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static import solver_of, static_first_failure, static_peak
@@ -38,17 +29,8 @@ LAYOUTS = list(NodeLayout)
 BODIES = [UpperBody.COLUMNS, UpperBody.MONOLITHIC]
 
 
-def posed(
-    joint: Joint, mesh: float, nodes: NodeLayout, eccentricity: float, push: Push = Push.PLUS_Y
-) -> tuple[Assembly, Loads]:
-    model = assemble(joint, mesh, nodes)
-    return model, lateral_load(joint, model, Loading(Direction(eccentricity), push=push))
-
-
-def solved(
-    joint: Joint, mesh: float, nodes: NodeLayout, eccentricity: float = 0.0
-) -> StaticSolution:
-    return static_peak(*posed(joint, mesh, nodes, eccentricity))
+def solved(joint: Joint, mesh: float, nodes: NodeLayout, e_over_a: float = 0.0) -> StaticSolution:
+    return static_peak(*loaded(joint, e_over_a, mesh, nodes))
 
 
 def elastic(locks: int, young: float = YOUNG, body: UpperBody = UpperBody.COLUMNS) -> Joint:
@@ -78,11 +60,10 @@ def test_a_joint_moves_further_and_fails_earlier_the_softer_its_block() -> None:
 # --- exact cases ---------------------------------------------------------------------------------
 def bonded_block(layout: NodeLayout, young: float, poisson: float) -> Assembly:
     """One elastic block on a fixed one, across an inner face."""
+    bends = Elastic(young, poisson)
     pieces = (
         Cuboid("ground", (-0.03, 0.0, -0.02), (0.03, 0.05, 0.0), 1.0, fixed=True),
-        Cuboid(
-            "block", (-0.03, 0.0, 0.0), (0.03, 0.05, 0.04), 1.0, elastic=Elastic(young, poisson)
-        ),
+        Cuboid("block", (-0.03, 0.0, 0.0), (0.03, 0.05, 0.04), 1.0, elastic=bends),
     )
     material = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
     faces = (shared_face("face", Kind.INNER, material, pieces, (0, 1)),)
@@ -95,24 +76,16 @@ def test_uniform_tension_passes_the_patch_test(layout: NodeLayout) -> None:
     model = bonded_block(layout, YOUNG, poisson=0.0)
     variable = np.zeros((2, 6))
     variable[1, 2] = 1.0
-    loads = Loads(
-        np.zeros((2, 6)),
-        variable,
-        100.0,
-        sides=(SideLoad(1, 2, True, (0.0, 0.0, 1.0, 0.0, 0.0, 0.0)),),
-    )
-    found = ElasticSolver(model, loads).solve(100.0, *_fresh(model, loads))
+    pull = SideLoad(1, 2, True, (0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
+    loads = Loads(np.zeros((2, 6)), variable, 100.0, sides=(pull,))
+    start = solver_of(model, loads).start()
+    found = ElasticSolver(model, loads).solve(100.0, start.unknowns, start.state)
     area = 0.06 * 0.05
     stress = -found.force[:, 0] / model.nodes.area
     assert stress == pytest.approx(np.full(len(stress), 100.0 / area), rel=1e-9)
     assert np.abs(found.force[:, 1:]).max() < 1e-9 * 100.0
     # The face's springs and the block's whole height, in series.
     assert found.displacement == pytest.approx(100.0 / area * (1e-10 + 0.04 / YOUNG), rel=1e-9)
-
-
-def _fresh(model: Assembly, loads: Loads) -> tuple[Floats, NodeState]:
-    start = solver_of(model, loads).start()
-    return start.unknowns, start.state
 
 
 @pytest.mark.parametrize("body", BODIES)
@@ -133,7 +106,7 @@ def test_the_work_of_the_load_is_stored_while_all_nodes_hold(body: UpperBody) ->
 def solved_displacement(joint: Joint, young: float, eccentricity: float) -> tuple[float, float]:
     """Displacement of the load at 10 N, and twice the energy in the springs."""
     elastic_joint = replace(joint, elastic=Elastic(young))
-    model, loads = posed(elastic_joint, 0.03, NodeLayout.LOBATTO, eccentricity)
+    model, loads = loaded(elastic_joint, eccentricity, 0.03, NodeLayout.LOBATTO)
     everything = tuple(replace(face, kind=Kind.INNER) for face in model.faces)
     solver = ElasticSolver(replace(model, faces=everything), loads)
     found = solver.solve(10.0, solver.start().unknowns, solver.start().state)
@@ -163,7 +136,7 @@ def test_every_piece_is_in_equilibrium_at_the_peak(
     push: Push,
 ) -> None:
     joint = elastic(locks, 10.0**exponent, body)
-    model, loads = posed(joint, 0.03, layout, eccentricity, push)
+    model, loads = loaded(joint, eccentricity, 0.03, layout, push)
     peak = static_peak(model, loads).peak
     assert unbalanced_share(model, loads, peak.load, peak.force) < 1e-6
 
@@ -181,19 +154,17 @@ def test_capacity_scales_with_strength_and_stiffness_alike(factor: float) -> Non
 # --- elements ------------------------------------------------------------------------------------
 @pytest.mark.parametrize("body", BODIES)
 def test_the_first_failure_converges_with_the_elements(body: UpperBody) -> None:
-    joint = elastic(3, body=body)
-    quadratic = [solved_first(joint, mesh, NodeLayout.LOBATTO) for mesh in (0.03, 0.02, 0.015)]
+    def first(mesh: float, layout: NodeLayout) -> float:
+        return solved(elastic(3, body=body), mesh, layout).first_failure_load
+
+    quadratic = [first(mesh, NodeLayout.LOBATTO) for mesh in (0.03, 0.02, 0.015)]
     limit = quadratic[-1]
     assert quadratic == pytest.approx([limit] * 3, rel=5e-3)
     meshes = np.array([0.03, 0.015, 0.01])
-    linear = np.array([solved_first(joint, mesh, NodeLayout.VERTICES) for mesh in meshes])
+    linear = np.array([first(mesh, NodeLayout.VERTICES) for mesh in meshes])
     errors = np.abs(linear / limit - 1.0)
     assert np.all(np.diff(errors) < 0.0)
     assert errors[-1] < 6e-3
-
-
-def solved_first(joint: Joint, mesh: float, layout: NodeLayout) -> float:
-    return solved(joint, mesh, layout).first_failure_load
 
 
 @pytest.mark.parametrize(
@@ -234,23 +205,22 @@ def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_
         first=Side.LOWER,
         elastic=Elastic(7037868640.542238, 0.04577574982686521),
     )
-    loading, mesh = Loading(Direction(1.4500311737370246)), joint.least_side / 3
+    given = (1.4500311737370246, joint.least_side / 3, NodeLayout.LOBATTO)
     with pytest.raises(SolverError, match="give them a density"):
-        static_first_failure(*posed_problem(joint, loading, mesh))
-    heavy = static_first_failure(*posed_problem(replace(joint, density=1.0), loading, mesh))
+        static_first_failure(*loaded(joint, *given))
+    heavy = static_first_failure(*loaded(replace(joint, density=1.0), *given))
     assert heavy.point.load == pytest.approx(45.058, rel=1e-4)
 
 
-@pytest.mark.parametrize("layout", LAYOUTS[:1])
 def test_a_smooth_joint_under_pressure_is_solved_without_a_word(
-    layout: NodeLayout, capfd: pytest.CaptureFixture[str]
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     joint = replace(
         elastic(2, body=UpperBody.MONOLITHIC),
         hold_down=HoldDown.pressure(5e4),
         dry=replace(Joint(2).dry, friction=0.0),
     )
-    assert solved(joint, 0.03, layout).peak.load == pytest.approx(225.0, rel=0.04)
+    assert solved(joint, 0.03, LAYOUTS[0]).peak.load == pytest.approx(225.0, rel=0.04)
     assert capfd.readouterr() == ("", "")
 
 
@@ -275,7 +245,7 @@ def test_stiff_rough_faces_rest_under_what_presses_on_them(
         hold_down=hold_down,
         elastic=Elastic(4.9e10),
     )
-    model, loads = posed(joint, 0.999 * joint.b / cells, layout, 0.3)
+    model, loads = loaded(joint, 0.3, 0.999 * joint.b / cells, layout)
     resting = solver_of(model, loads).start()
     unbalanced = np.abs(unbalanced_forces(model, loads, 0.0, resting.force))
     assert unbalanced.max() < 1e-6 * np.abs(loads.permanent).max()
@@ -283,3 +253,38 @@ def test_stiff_rough_faces_rest_under_what_presses_on_them(
     dry = np.array([face.kind is Kind.DRY for face in model.faces])[model.nodes.face]
     assert (pressed[dry] >= 0.0).all() and pressed[dry].sum() > 0.0
     assert (shear[dry] <= 0.148 * pressed[dry] * (1.0 + 1e-6) + 1e-6).all()
+
+
+# --- memory --------------------------------------------------------------------------------------
+def test_elastic_pieces_that_no_machine_holds_are_refused_before_anything_is_allocated() -> None:
+    problem = loaded(elastic(9), 0.0, 0.002, NodeLayout.LOBATTO)
+    tracemalloc.start()
+    words = r"[\d,]+ components .* need [\d.]+ GiB of memory or more, and this machine has [\d.]+ "
+    with pytest.raises(CapacityError, match=f"^elastic pieces with {words}GiB; .* coarser mesh$"):
+        static_peak(*problem)
+    assert tracemalloc.get_traced_memory()[1] < 1e9
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
+def test_the_memory_that_is_asked_for_is_a_close_bound(body: UpperBody) -> None:
+    assembly, loads = loaded(elastic(3, body=body), 0.0, 0.02, NodeLayout.LOBATTO)
+    tracemalloc.start()
+    static_peak(assembly, loads)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    needed = memory_needed(assembly, np.asarray(ElasticSolver(assembly, loads).kept))
+    assert 0.4 * most < needed < 1.2 * most
+
+
+def test_the_memory_of_a_machine_is_that_of_its_container_if_that_is_less(
+    monkeypatch: pytest.MonkeyPatch, tmp_path
+) -> None:
+    limit = tmp_path / "memory.max"
+    monkeypatch.setattr(solver, "CGROUP", limit)
+    whole = solver.memory()
+    assert 1e8 < whole < math.inf
+    limit.write_text("max\n")
+    assert solver.memory() == whole
+    limit.write_text("1000000\n")
+    assert solver.memory() == 1e6

@@ -1,6 +1,7 @@
-"""The exact V-M envelope."""
+"""The exact V-M envelope, SiDMACIB in closed form, and reductions of locks."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,11 +10,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
 
-from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib import OPTIONS, READY_OPTIONS, ContactOption, InfeasibleError, SolverError
+from sidmacib.contact_points import REDUCTIONS, active, half_rule
 from sidmacib.contact_points.envelope import envelope, polygon
-from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.errors import InfeasibleError, SolverError
-from sidmacib.joint import Direction, Joint
+from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, pair_loads
+from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 
 
 def support_of(points: np.ndarray):
@@ -22,9 +23,7 @@ def support_of(points: np.ndarray):
 
 @settings(max_examples=50)
 @given(arrays(float, (9, 2), elements=st.floats(-1, 1).map(lambda v: round(v, 2))))
-def test_all_vertices_are_found_with_as_few_questions_as_vertices_and_edges(
-    points: np.ndarray,
-) -> None:
+def test_vertices_are_found_with_as_few_questions_as_vertices_and_edges(points: np.ndarray) -> None:
     assume(np.linalg.matrix_rank(points - points[0], tol=1e-3) == 2)
     hull = ConvexHull(points)
     assume(hull.volume > 1e-3)
@@ -86,14 +85,11 @@ def test_every_capacity_lies_on_the_envelope(locks: int) -> None:
     found = envelope(model)
     edges = list(zip(found.vertices, np.roll(found.vertices, -1, axis=0), strict=True))
     assert found.programmes <= len(found.vertices) + len(edges)
+    s = np.array([joint.T0, joint.T0 * joint.a])
     for eccentricity in (0.0, 0.1, 0.8, math.inf):
         point = capacity(model, Direction(eccentricity))
-        at = np.array([point.shear, point.torque]) / [joint.T0, joint.T0 * joint.a]
-        distances = [
-            np.cross(np.append((end - start) / s, 0), np.append(at - start / s, 0))[2]
-            for start, end in edges
-            for s in [np.array([joint.T0, joint.T0 * joint.a])]
-        ]
+        at = np.array([point.shear, point.torque]) / s
+        distances = [np.linalg.det([(end - start) / s, at - start / s]) for start, end in edges]
         assert min(distances) == pytest.approx(0.0, abs=1e-6)
 
 
@@ -101,9 +97,8 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
     """Vertices, from the lowest on the left, of all sums of ``sides`` (K, 2) times -1 to 1."""
     sides = sides * np.where(sides[:, :1] < 0, -1.0, 1.0)
     around = sides[np.argsort(sides[:, 1] / sides[:, 0])]
-    return -sides.sum(axis=0) + 2 * np.cumsum(
-        np.vstack([np.zeros(2), around, -around[:-1]]), axis=0
-    )
+    turns = np.vstack([np.zeros(2), around, -around[:-1]])
+    return -sides.sum(axis=0) + 2 * np.cumsum(turns, axis=0)
 
 
 @settings(max_examples=20)
@@ -111,9 +106,7 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
     st.lists(st.integers(1, 50), min_size=2, max_size=6, unique=True),
     st.integers(2, 5),
 )
-def test_without_friction_every_contact_point_adds_two_edges(
-    distances: list[int], locks: int
-) -> None:
+def test_without_friction_a_contact_point_adds_two_edges(distances: list[int], locks: int) -> None:
     """V is the sum of the forces across, M of the forces times x: a zonogon, known by hand."""
     joint, positions = Joint(locks), [sign * x for x in distances for sign in (-1, 1)]
     count = len(positions)
@@ -127,10 +120,8 @@ def test_without_friction_every_contact_point_adds_two_edges(
 
 
 def around_a_circle(noise: float):
-    random = np.random.default_rng(1)
-    exact = support_of(
-        np.array([(math.cos(t), math.sin(t)) for t in np.linspace(0, 2 * math.pi, 51)])
-    )
+    random, turns = np.random.default_rng(1), np.linspace(0, 2 * math.pi, 51)
+    exact = support_of(np.column_stack([np.cos(turns), np.sin(turns)]))
     return lambda normal: exact(normal) + noise * random.uniform(-1, 1, 2)
 
 
@@ -154,3 +145,101 @@ def test_points_on_one_side_of_the_weight_have_no_envelope(joint: Joint) -> None
     model = Sidmacib(joint, ContactOption((0.1, 0.4), (0.5, 0.5)))
     with pytest.raises(InfeasibleError, match=r"^outward normal \(V, M\) = .*: no forces balance"):
         envelope(model)
+
+
+WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("reduction", "strength"),
+    [
+        ("none", (1, 1, 1, 1, 1)),
+        ("floor_of_sum", (0, 1, 0, 1, 0)),  # 2.96, rounded down
+        ("half", (0, 1, 0, 1, 0)),
+        ("lower_sum", (0, 1.0, 0, 0.68, 0)),
+        ("per_lock", WEIGHTS),
+    ],
+)
+def test_reductions_of_five_locks(reduction: str, strength: tuple[float, ...]) -> None:
+    assert REDUCTIONS[reduction](Joint(5), WEIGHTS) == pytest.approx(strength)
+
+
+def test_upper_locks_count_only_when_all_lower_ones_do() -> None:
+    assert active(Joint(5), 3) == (1, 1, 0, 1, 0)
+
+
+def test_half_of_an_even_number_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^locks: 4 is not allowed .*; it must be odd$"):
+        half_rule(Joint(4), ())
+
+
+@pytest.mark.parametrize("rule", ["half", "floor_of_sum"])
+def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) -> None:
+    wide = Joint(3, different={2: OwnLock(width=0.06)})
+    message = r"^different: a strength from 240 to 288 N is not allowed with .* the same for all$"
+    with pytest.raises(ValueError, match=message):
+        REDUCTIONS[rule](wide, (1.0, 1.0, 1.0))
+    heavy = Joint(3, different={2: OwnLock(density=2000.0)})
+    assert sum(REDUCTIONS[rule](heavy, (0.5, 0.5, 0.0))) == 1.0
+
+
+def test_from_the_lower_block_on_lower_locks_count_first_too() -> None:
+    joint = Joint(3, first=Side.LOWER)
+    assert half_rule(joint, ()) == (1.0, 0.0, 0.0)
+    assert REDUCTIONS["lower_sum"](joint, (0.1, 1.0, 0.9)) == (0.1, 0.0, 0.9)
+
+
+@pytest.mark.parametrize("sum_", [0.0, 0.999, 1.0, 2.5, 5.0, 9.0])
+def test_the_sum_of_weights_counts_rounded_down_and_at_most_all_locks(sum_: float) -> None:
+    strength = REDUCTIONS["floor_of_sum"](Joint(5), (sum_ / 5,) * 5)
+    assert sum(strength) == min(math.floor(sum_ + 1e-12), 5)
+
+
+DIRECTIONS = [Direction(e) for e in (0.0, 0.2, -0.2, 1.0, -5.0, math.inf, -math.inf)]
+DIFFERENT = {1: OwnLock(width=0.09, inner=replace(INNER, cohesion=2e5)), 2: OwnLock(density=9e3)}
+
+
+@settings(max_examples=25)
+@given(
+    st.integers(2, 6),
+    st.floats(0.0, 0.5),
+    st.floats(0.0, 1.0),
+    st.floats(0.0, 2.0),
+    st.floats(0.01, 0.3),
+    st.sampled_from([HoldDown.plate(), HoldDown.weight(), HoldDown.force(700.0)]),
+    st.sampled_from([{}, DIFFERENT]),
+    st.sampled_from(Side),
+)
+def test_loads_are_those_of_the_linear_programme(
+    locks: int,
+    distance: float,
+    factor: float,
+    friction: float,
+    height: float,
+    hold_down: HoldDown,
+    different: dict[int, OwnLock],
+    first: Side,
+) -> None:
+    dry = replace(DRY, friction=friction)
+    joint = Joint(locks, H=height, dry=dry, hold_down=hold_down, different=different, first=first)
+    strength = tuple(np.linspace(factor, 1.0, locks))
+    model = Sidmacib(joint, ContactOption.pair(distance), strength)
+    expected = [point.load for point in capacities(model, DIRECTIONS)]
+    found = pair_loads(model, DIRECTIONS)
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * joint.T0)
+
+
+def test_the_friction_that_a_model_leaves_out_carries_nothing(joint: Joint) -> None:
+    model = Sidmacib(joint, ContactOption.pair(0.25), friction=False)
+    torsion = pair_loads(model, [Direction(math.inf)])
+    assert torsion == pytest.approx(0.25 * joint.locks * joint.T0)
+
+
+def test_without_any_pressure_no_shear_is_carried(joint: Joint) -> None:
+    model = Sidmacib(replace(joint, density=0.0), ContactOption.pair(0.25), overload=0.0)
+    assert pair_loads(model, [Direction(0.0)]) == 0.0
+
+
+def test_other_contact_points_are_refused(joint: Joint) -> None:
+    with pytest.raises(ValueError, match="must be a pair of contact points"):
+        pair_loads(Sidmacib(joint, READY_OPTIONS["bilinear"]), DIRECTIONS)

@@ -1,28 +1,26 @@
-"""Equilibrium matrices and the scales derived from them."""
+"""Equilibrium matrices, their scales, and the nodes of an assembly as springs between pieces."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import block_on_ground, load_on_block
+from conftest import block_on_ground, load_on_block, point_at
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from stack import tilted_stack
 
-from sidmacib.joint import Joint
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import (
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Kind,
-    NodeLayout,
-    Rectangle,
-)
+from sidmacib import Assembly, FaceMaterial, Joint, Loads, NodeLayout, UpperBody, assemble
+from sidmacib.mechanics.assembly import Cuboid, Kind, Rectangle
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
+from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.equilibrium import wrenches
+from sidmacib.mechanics.equilibrium import free_rows, wrenches
+from sidmacib.mechanics.newton.equilibrium import solve_linear
+from sidmacib.mechanics.newton.faces import tangent_stiffness
 from sidmacib.mechanics.optimisation import equilibrium_matrix
-from sidmacib.mechanics.springs import compliance, natural_frequencies
+from sidmacib.mechanics.rigid import RigidSolver, ordering
+from sidmacib.mechanics.springs import Springs, compliance, natural_frequencies
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 
@@ -48,9 +46,7 @@ def test_every_node_force_acts_on_two_pieces_in_balance(joint: Joint) -> None:
 def test_a_rigid_motion_of_all_pieces_moves_no_node(joint: Joint) -> None:
     model = assemble(joint, 0.02, NodeLayout.CENTRES)
     shift, turn = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.1, -0.7])
-    motion = np.concatenate(
-        [np.concatenate([shift + np.cross(turn, p.centre), turn]) for p in model.pieces]
-    )
+    motion = np.array([[*(shift + np.cross(turn, p.centre)), *turn] for p in model.pieces]).ravel()
     assert equilibrium_matrix(model).T @ motion == pytest.approx(0.0, abs=1e-12)
 
 
@@ -76,9 +72,7 @@ def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
 def test_inertia_is_that_of_a_cuboid() -> None:
     # By points all over it: the integral of m (x^2 + y^2) / volume, and so on.
     piece = Cuboid("block", (0.0, 1.0, -2.0), (0.3, 1.5, -1.2), mass=7.0)
-    axes = [
-        low + (np.arange(60) + 0.5) / 60 * d for low, d in zip(piece.low, piece.size, strict=True)
-    ]
+    axes = np.add(piece.low, (np.arange(60)[:, None] + 0.5) / 60 * piece.size).T
     squares = [np.mean((axis - axis.mean()) ** 2) for axis in axes]
     expected = [7.0 * (sum(squares) - square) for square in squares]
     assert piece.inertia == pytest.approx(expected, rel=1e-3)
@@ -96,3 +90,135 @@ def test_compliance_of_a_block_under_torque_is_that_of_its_polar_moment(joint: J
     polar = float(model.nodes.area @ (xy**2).sum(axis=1))
     found = compliance(model, load_on_block(model, (0.0, 0.0, 0.0), 1.0))
     assert found == pytest.approx(1.0 / (joint.inner.shear_stiffness * polar))
+
+
+ASSEMBLIES = {
+    "columns": assemble(Joint(4), 0.03, NodeLayout.CENTRES),
+    "monolithic": assemble(Joint(5, upper_body=UpperBody.MONOLITHIC), 0.03, NodeLayout.CENTRES),
+    "stack": tilted_stack(3)[0],
+}
+
+
+@pytest.fixture(params=ASSEMBLIES)
+def model(request: pytest.FixtureRequest) -> Assembly:
+    return ASSEMBLIES[request.param]
+
+
+def solver(model: Assembly) -> RigidSolver:
+    none = np.zeros((len(model.pieces), 6))
+    return RigidSolver(model, Loads(none, none + 1.0, 1.0))
+
+
+def dense(solver: RigidSolver) -> np.ndarray:
+    """The solver's matrix, with rows and columns in the order of the solver."""
+    inner, outer, band = solver.contacts.inner, solver.contacts.outer, solver.contacts.band
+    full = np.zeros((inner + outer, inner + outer))
+    for i in range(inner):
+        first, last = max(i - band, 0), min(i + band, inner - 1)
+        full[i, first : last + 1] = solver.matrix.band[i, band + first - i : band + last - i + 1]
+    full[:inner, inner:], full[inner:] = solver.matrix.right, solver.matrix.below
+    return full
+
+
+def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
+    """Displacements (m) under which nodes stick, slide and open; bonds broken, faded and whole."""
+    random, contact_law = np.random.default_rng(seed), ContactLaw.of(model)
+    slip = 1e-7 * random.normal(size=(len(contact_law.friction), 2))
+    whole = contact_law.cohesive * random.choice([0.0, 0.0, 0.4, 1.0], len(slip))
+    return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, whole)
+
+
+def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
+    law, springs = ContactLaw.of(model), Springs.of(model)
+    balance = equilibrium_matrix(model).toarray()[free_rows(model)] / springs.units[:, None]
+    stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
+    expected = (balance * stiffness.ravel()) @ balance.T
+    assert springs.elastic_stiffness() == pytest.approx(expected, rel=1e-9, abs=1e-6)
+
+
+def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assembly) -> None:
+    rigid_solver = solver(model)
+    unknowns, state = some_state(model)
+    contacts, whole = rigid_solver.contacts, np.ones_like(state.whole)
+    slip = components(state.slip)
+    here = point_at(contacts, slip, whole, unknowns)
+    tangent_stiffness(contacts, slip, whole, here, 0.0, rigid_solver.matrix)
+    expected = Springs.of(model).elastic_stiffness()
+    found = dense(rigid_solver)[np.ix_(rigid_solver.place, rigid_solver.place)]
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-5)
+
+
+def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) -> None:
+    rigid_solver = solver(model)
+    unknowns, state = some_state(model)
+    here = point_at(rigid_solver.contacts, components(state.slip), state.whole, unknowns)
+    inside = (equilibrium_matrix(model) @ here.force.T.ravel())[free_rows(model)]
+    expected = inside / rigid_solver.units
+    assert -here.residual[rigid_solver.place] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
+    rigid_solver = solver(model)
+    unknowns, state = some_state(model)
+    contacts, nodes = rigid_solver.contacts, (components(state.slip), state.whole)
+    here = point_at(contacts, *nodes, unknowns)
+    tangent_stiffness(contacts, *nodes, here, 0.0, rigid_solver.matrix)
+    direction = np.random.default_rng(2).normal(size=len(unknowns))
+    after, before = (
+        point_at(contacts, *nodes, unknowns + step * direction).residual for step in (1e-12, -1e-12)
+    )
+    expected = dense(rigid_solver) @ direction
+    found = (before - after) / 2e-12
+    assert found == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
+
+
+def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
+    rigid_solver = solver(model)
+    unknowns, state = some_state(model)
+    contacts, whole, before = rigid_solver.contacts, state.whole, components(state.slip)
+    here = point_at(contacts, before, whole, unknowns)
+    slip, same = np.empty_like(before), np.empty_like(before)
+    put_slip(contacts.law, before, whole, here.moved, here.force, slip)
+    again = point_at(contacts, slip, whole, unknowns)
+    assert again.force == pytest.approx(here.force, rel=1e-9, abs=1e-9)
+    put_slip(contacts.law, slip, whole, again.moved, again.force, same)
+    assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
+    assert (slip[:, state.bonded] == before[:, state.bonded]).all()
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: int) -> None:
+    rigid_solver, random = solver(model), np.random.default_rng(seed)
+    matrix, band = rigid_solver.matrix, rigid_solver.contacts.band
+    for part in (matrix.band, matrix.right, matrix.below):
+        part[:] = random.normal(size=part.shape)
+    matrix.band[:, 2 * band + 1 :] = 0.0  # filled by elimination
+    matrix.band[::3, band] = 0.0  # small pivots, unless rows are exchanged
+    full, right = dense(rigid_solver), random.normal(size=len(rigid_solver.place))
+    solution = right.copy()
+    assert solve_linear(rigid_solver.contacts, matrix, solution)
+    assert full @ solution == pytest.approx(right, rel=1e-7, abs=1e-7)
+
+
+def test_equations_without_a_solution_are_reported(model: Assembly) -> None:
+    rigid_solver = solver(model)
+    contacts, matrix = rigid_solver.contacts, rigid_solver.matrix
+    for part in (matrix.band, matrix.right, matrix.below):
+        part[:] = 0.0
+    assert not solve_linear(contacts, matrix, np.ones(len(rigid_solver.place)))
+    matrix.band[:, contacts.band] = 1.0
+    solved = solve_linear(contacts, matrix, np.ones(len(rigid_solver.place)))
+    assert solved is (contacts.outer == 0)
+
+
+@pytest.mark.parametrize("locks", [7, 31])
+def test_a_body_in_one_piece_goes_into_the_border(locks: int) -> None:
+    joint = Joint(locks, upper_body=UpperBody.MONOLITHIC)
+    order = ordering(Springs.of(assemble(joint, 0.03, NodeLayout.CENTRES)))
+    assert (order.inner, order.outer, order.band) == (6 * locks, 6, 11)
+
+
+def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
+    few, many = (ordering(Springs.of(assemble(Joint(n), 0.03))) for n in (7, 31))
+    assert few.band == many.band
+    assert many.outer == 0

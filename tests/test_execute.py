@@ -122,9 +122,7 @@ def alive(pid: int) -> bool:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
-def test_the_program_ends_with_its_runner_however_that_ends(
-    tmp_path: Path, number: signal.Signals
-) -> None:
+def test_the_program_ends_however_its_runner_ends(tmp_path: Path, number: signal.Signals) -> None:
     text = f"import os, time; open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()) + ' ')"
     folder = folder_with(tmp_path, text + "\ntime.sleep(300)")
     paths = os.pathsep.join([str(Path(__file__).parent), str(Path(__file__).parents[1])])

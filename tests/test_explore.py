@@ -7,15 +7,16 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from analysis.explore.comparison import compared
 from analysis.explore.pictures import Counted, answers, covered, effects, pictures, which_counts
 from analysis.explore.state import (
     SLIDERS,
     Settings,
     as_configuration,
     as_python,
-    as_query,
     checked,
     from_query,
+    query_of,
 )
 from sidmacib.answers.joint import meshes
 from sidmacib.joint import Direction
@@ -34,18 +35,18 @@ STATES = (
 
 @pytest.mark.parametrize("state", STATES)
 def test_a_link_brings_the_joint_back(state: Settings) -> None:
-    found = from_query("?" + as_query(state))
+    found = from_query("?" + state.query, checked)
     assert found.state == state
     assert found.notes == ()
 
 
 @given(st.text(max_size=60))
 def test_whatever_a_link_says_there_is_a_joint(query: str) -> None:
-    assert from_query(query).state.joint
+    assert from_query(query, checked).state.joint
 
 
 def test_values_of_a_link_that_are_not_allowed_are_noted_and_limited_to_the_sliders() -> None:
-    found = from_query("?a=-5&b=inf&locks=zero&magic=1&h=8.2")
+    found = from_query("?a=-5&b=inf&locks=zero&magic=1&h=8.2", checked)
     assert found.state == Settings(a=15.0, b=100.0)
     assert found.notes == (
         "a: -5 is outside 15 to 150; 15 is shown.",
@@ -116,6 +117,34 @@ def test_the_law_answers_at_the_ends_of_a_range_and_not_a_tenth_of_the_slider_be
         if slider.least <= beyond <= slider.most:
             with pytest.raises(ValueError, match="where the rule was tested"):
                 law(replace(state, **{name: beyond}).joint, Direction(0.3))
+
+
+# --- comparison ----------------------------------------------------------------------------------
+def test_a_link_brings_back_what_is_kept_and_notes_what_was_changed_of_it() -> None:
+    kept, shown = Settings(locks=9), Settings(a=80.0)
+    found = from_query(query_of(shown, kept), checked)
+    assert (found.state, found.kept, found.notes) == (shown, kept, ())
+    assert from_query(query_of(shown, Settings()), checked).kept == Settings()
+    wrong = from_query("kept=locks%3D99%26kept%3Dx", checked)
+    assert wrong.kept == Settings(locks=31)
+    assert wrong.notes == (
+        "Kept: locks: 99 is outside 2 to 31; 31 is shown.",
+        "Kept: 'kept' is no parameter.",
+    )
+
+
+def test_two_variants_are_compared_in_what_differs_and_in_all_results() -> None:
+    shown, kept = {"a": 3.0, "same": 1.0, "kind": "x"}, {"a": 4.0, "same": 1.0 + 1e-12, "b": 0.0}
+    less = "\N{MINUS SIGN}1", "\N{MINUS SIGN}25.0 %"
+    assert compared((shown, kept), ({"V": 2.0, "M": 1.0}, {"V": 0.0, "M": 1.000001})) == [
+        ["a", 4.0, 3.0, *less],
+        ["kind", "\N{EN DASH}", "x", "", ""],
+        ["b", 0.0, "\N{EN DASH}", "", ""],
+        ["V", 0.0, 2.0, "+2", ""],
+        ["M", 1.000001, 1.0, "0", "0.0 %"],  # the same in four digits
+    ]
+    many = {str(number): float(number) for number in range(100)}
+    assert compared((many, {}), ({}, {}))[-1][0] == "and 80 more"
 
 
 # --- effects ------------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 """The explorer in a browser: what an impatient user sees, and what nobody should."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -11,7 +11,7 @@ from offline import WATCH, leaving_in_browser, leaving_in_html
 from playwright.sync_api import Browser, Page, expect
 
 from analysis.explore import app
-from analysis.explore.pictures import Answers
+from analysis.explore.pictures import Answers, answers
 from analysis.explore.state import SLIDERS, Settings
 
 # What is on the page each time that it is painted, and how many requests are under way at once.
@@ -177,16 +177,122 @@ def test_a_typed_number_moves_its_slider_and_the_address_opens_the_same_joint(
     again.close()
 
 
-def test_two_joints_stand_beside_each_other(opened: Opened) -> None:
-    page = opened.page
-    page.click("#keep")
-    page.fill("#locks-value", "6")
+def choose(page: Page, name: str, value: str) -> None:
+    page.fill(f"#{name}-value", value)
     page.keyboard.press("Tab")
     settle(page)
-    text = page.text_content("#kept") or ""
-    assert "5 locks, " in text and "Changed since: n 5 → 6." in text
-    names = page.evaluate("document.getElementById('curve').data.map(each => each.name)")
-    assert any(name.startswith("kept: 5 locks, ") for name in names)
+
+
+def compared(page: Page) -> dict[str, list[str]]:
+    """The lines of the comparison by their names."""
+    rows = page.locator("#comparison tbody tr")
+    lines = [row.locator("td").all_text_contents() for row in rows.all()]
+    return {name: cells for name, *cells in lines}
+
+
+def test_two_joints_stand_beside_each_other_and_the_address_brings_both_back(
+    opened: Opened, browser: Browser, served: Served
+) -> None:
+    page = opened.page
+    assert not page.is_visible("#kept")
+    page.click("#keep")
+    choose(page, "cohesion", "160")
+    assert "5 locks, " in (page.text_content("#kept-words") or "")
+    lines = compared(page)
+    assert lines["cohesion (kPa)"] == ["80", "160", "+80", "+100.0 %"]
+    assert "locks n" not in lines
+    assert lines["load that counts"][:2] == ["peak", "peak"]
+    for name, state in (("kept", Settings()), ("shown", Settings(cohesion=160.0))):
+        place = ("kept", "shown").index(name)
+        expected = answers(state)
+        assert expected.peak is not None
+        for line, load in (("peak, static model", expected.peak), *rules(expected)):
+            assert float(lines[f"{line}: V (N)"][place]) == pytest.approx(load.shear, rel=1e-3)
+    assert lines["strength of a lock T0 (N)"] == ["240", "480", "+240", "+100.0 %"]
+    assert lines["peak, static model: V (N)"][3] == lines["load that counts: V (N)"][3]
+    assert ("kept: 5 locks, 60 \N{MULTIPLICATION SIGN} 50 mm", "dash") in dashes(page)
+    again = opened_at(browser, served, page.url.partition("/?")[1] + page.url.partition("/?")[2])
+    assert compared(again.page) == lines
+    assert dashes(again.page) == dashes(page)
+    again.page.click("#swap")
+    settle(again.page)
+    assert again.page.input_value("#cohesion") == "80"
+    less = "\N{MINUS SIGN}80", "\N{MINUS SIGN}50.0 %"
+    assert compared(again.page)["cohesion (kPa)"] == ["160", "80", *less]
+    again.page.click("#forget")
+    settle(again.page)
+    assert not again.page.is_visible("#kept")
+    assert again.page.url == f"{served.url}/"
+    assert again.errors == opened.errors == []
+    again.page.close()
+
+
+def rules(found: Answers) -> list[tuple[str, Any]]:
+    names = {"law": "first failure, law", "safe": "safe rule"}
+    return [(names[name], each) for name, each in found.rules.items()]
+
+
+def dashes(page: Page) -> set[tuple[str, str]]:
+    read = "document.getElementById('curve').data.map(each => [each.name, each.line?.dash || ''])"
+    return {(name, dash) for name, dash in page.evaluate(read)}
+
+
+def test_undo_restores_the_earlier_joint_and_its_numbers(opened: Opened) -> None:
+    page = opened.page
+    assert page.is_disabled("#undo") and page.is_disabled("#redo")
+    seen = [(page.url, page.text_content("#words"), page.text_content("#yaml"))]
+    for name, value in (("locks", "7"), ("a", "80")):
+        choose(page, name, value)
+        seen.append((page.url, page.text_content("#words"), page.text_content("#yaml")))
+    assert len(set(seen)) == 3
+    steps: list[tuple[Callable[[], object], int]] = [
+        (lambda: page.click("#undo"), 1),
+        (lambda: page.keyboard.press("Control+z"), 0),
+        (lambda: page.keyboard.press("Control+z"), 0),  # there is nothing to undo
+        (lambda: page.keyboard.press("Control+Shift+Z"), 1),
+        (lambda: page.click("#redo"), 2),
+        (page.go_back, 1),
+        (lambda: page.keyboard.press("Control+y"), 2),
+    ]
+    for step, place in steps:
+        step()
+        expect(page.locator("#words")).to_have_text(seen[place][1] or "")
+        settle(page)
+        assert (page.url, page.text_content("#words"), page.text_content("#yaml")) == seen[place]
+        assert page.input_value("#locks") == page.input_value("#locks-value")
+    assert page.is_disabled("#redo") and page.is_enabled("#undo")
+    page.click("#undo")
+    choose(page, "b", "60")  # another way from there
+    assert page.is_disabled("#redo")
+    assert opened.errors == []
+
+
+def test_a_drag_is_one_step_and_text_in_a_field_has_an_undo_of_its_own(opened: Opened) -> None:
+    page = opened.page
+    page.focus("#locks")
+    for _ in range(6):
+        page.keyboard.press("ArrowRight")
+    settle(page)
+    assert page.input_value("#locks") == "11"
+    page.keyboard.press("Control+z")
+    settle(page)
+    require_true(page)
+    page.keyboard.press("Control+Shift+z")
+    settle(page)
+    assert require_true(page)[-1]["words"] == 11
+    page.focus("#a-value")
+    page.keyboard.press("Control+a")
+    page.keyboard.type("77")
+    page.keyboard.press("Control+z")  # of the text
+    assert page.input_value("#locks") == "11"
+    page.keyboard.press("Escape")
+    page.fill("#a-value", page.input_value("#a"))
+    page.keyboard.press("Control+z")
+    expect(page.locator("#locks-value")).to_have_value("5")
+    settle(page)
+    assert page.is_disabled("#undo")
+    page.keyboard.press("Control+Shift+z")
+    expect(page.locator("#locks-value")).to_have_value("11")
 
 
 def test_nothing_leaves_the_machine(opened: Opened, served: Served) -> None:

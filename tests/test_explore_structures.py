@@ -13,9 +13,9 @@ from analysis.explore.examples import (
     STUDIES,
     Chosen,
     checked_choice,
-    choice_in,
     defaults,
 )
+from analysis.explore.state import from_query
 from analysis.explore.structures import structure_answer
 from sidmacib.command.structures import structure_rows
 from sidmacib.structure.files.structure_file import structure_of
@@ -61,9 +61,9 @@ def test_the_file_to_keep_is_the_structure_that_was_computed(name: str) -> None:
 
 def test_a_link_holds_the_whole_state() -> None:
     state = chosen(structure="keyed", locks=7, azimuth=-45, slope=5, friction=0.15, model="limit")
-    assert choice_in(state.query).state == state
+    assert from_query(state.query, checked_choice).state == state
     assert chosen(structure="wall").query == "structure=wall"
-    assert choice_in("") == checked_choice({})
+    assert from_query("", checked_choice) == checked_choice({})
 
 
 @pytest.mark.parametrize(
@@ -150,18 +150,20 @@ def test_structures_are_computed_for_this_page_only(
 
 
 # --- files ---------------------------------------------------------------------------------------
-def send(served: Served, *names: str, **texts: str) -> Answered:
+def send(served: Served, *names: str, kept: int = 0, **texts: str) -> Answered:
     """Files of studies/ by name, and others by their texts."""
     files = {Path(name).name: (STUDIES / name).read_bytes() for name in names}
     files |= {name.replace("_", "."): text.encode() for name, text in texts.items()}
     values = {"files": [{"name": n, "data": b64encode(d).decode()} for n, d in files.items()]}
+    values["kept"] = kept
     return served.post("/file", {"page": "files", "number": 1, "values": values})
 
 
 def test_a_file_that_is_sent_opens_as_the_page_of_the_command(served: Served) -> None:
     assert served.get("/opened").status == 404
-    assert send(served, "structures/trilith.yaml").content["page"] == "/opened"
-    opened = served.get("/opened")
+    page = send(served, "structures/trilith.yaml").content["page"]
+    assert page == "/opened?file=1"
+    opened = served.get(page)
     assert opened.status == 200
     assert "script-src 'unsafe-inline'" in opened.headers["Content-Security-Policy"]
     rows = structure_rows(structure_of(read_yaml(STUDIES / "structures/trilith.yaml")))
@@ -179,7 +181,33 @@ def test_blocks_come_with_the_yaml_that_says_what_they_lack(served: Served) -> N
     )
     found = send(served, x_obj=cube, x_yaml=yaml).content
     assert found["error"] is None
-    assert "Peak at 7848 N, 0.4 of the weight" in served.get("/opened").text
+    assert "Peak at 7848 N, 0.4 of the weight" in served.get(found["page"]).text
+
+
+def test_two_files_stand_beside_each_other_with_what_differs(served: Served) -> None:
+    """A block that slides at its friction, 0.4 or 0.5, times its weight of 156.96 N."""
+    kept, shown = (
+        "blocks: {ground: {low: [0, 0, -0.1], high: [1, 1, 0], fixed: true}, "
+        "cube: {low: [0.3, 0.3, 0], high: [0.5, 0.5, 0.2]}}\n"
+        f"load: {{acceleration: [1, 0, 0]}}\ninterfaces: {{friction: {friction}}}\n"
+        for friction in (0.4, 0.5)
+    )
+    page = send(served, kept_yaml=kept, shown_yaml=shown).content["page"]
+    text = served.get(page).text
+    assert "Peak at 78.48 N" in text and "Peak at 62.78 N" in text
+    for row in (
+        ("interfaces.friction", "0.4", "0.5", "+0.1", "+25.0 %"),
+        ("load that counts", "peak", "peak", "", ""),
+        ("static: load (N)", "62.78", "78.48", "+15.7", "+25.0 %"),
+    ):
+        assert f"<tr>{''.join(f'<td>{each}</td>' for each in row)}</tr>" in text
+    assert "blocks.cube" not in text.split('<script id="data"')[0]
+    number = page.partition("file=")[2].partition("&")[0]
+    third = send(served, "structures/trilith.yaml", kept=int(number)).content["page"]
+    assert third.endswith(f"&kept={number}")
+    assert "kept: shown" in served.get(third).text
+    three = send(served, a_yaml=kept, b_yaml=kept, c_yaml=kept).content["error"]
+    assert three == "at most two structures are compared, not 3: a.yaml, b.yaml, c.yaml"
 
 
 @pytest.mark.parametrize(
@@ -203,3 +231,5 @@ def test_requests_of_files_are_checked(served: Served) -> None:
     asked = {"page": "files", "number": 2, "values": {"files": [{"name": "..", "data": ""}]}}
     assert "must be the name of a file" in served.post("/file", asked).content["error"]
     assert served.post("/file", {**asked, "values": {"files": "x"}}).status == 400
+    assert served.post("/file", {**asked, "values": {"files": [], "kept": "x"}}).status == 400
+    assert served.get("/opened?file=999").status == 404

@@ -10,7 +10,9 @@ from explorer import Served, explorer
 from offline import WATCH, leaving_in_browser, leaving_in_html
 from playwright.sync_api import Browser, Page, expect
 
-from analysis.explore.examples import EXAMPLES, choice_in, defaults
+from analysis.explore.examples import EXAMPLES, STUDIES, checked_choice, defaults
+from analysis.explore.state import from_query
+from analysis.explore.structures import static
 from sidmacib.yaml_text import parsed
 
 WIDE, NARROW = {"width": 1400, "height": 900}, {"width": 390, "height": 800}
@@ -122,7 +124,7 @@ def test_the_address_opens_the_same_structure(
     page.keyboard.press("Tab")
     settle(page)
     query = page.url.partition("/structures")[2]
-    assert choice_in(query).state.model == "limit"
+    assert from_query(query, checked_choice).state.model == "limit"
     assert page.text_content("#link") == page.url
     again = opened_at(browser, served, query).page
     for part in ("#words", "#yaml", "#lines"):
@@ -130,6 +132,71 @@ def test_the_address_opens_the_same_structure(
     assert again.input_value("#model") == "limit"
     assert again.evaluate("drawn.row.model") == "limit"
     again.close()
+
+
+def test_variants_of_a_structure_are_compared_undone_and_shared(
+    opened: Opened, browser: Browser, served: Served
+) -> None:
+    page = opened.page
+    page.click("#keep")
+    page.fill("#friction-value", "0.4")
+    page.keyboard.press("Tab")
+    settle(page)
+    lines = page.locator("#comparison tbody tr").all_text_contents()
+    assert lines[0] == "friction0.70.4\N{MINUS SIGN}0.3\N{MINUS SIGN}42.9 %"
+    kept, shown = (static(checked_choice({"friction": each}).state).load_N for each in (0.7, 0.4))
+    assert kept is not None and shown is not None
+    cells = page.locator("#comparison tr", has_text="static model: load (N)").locator("td")
+    assert [float(each) for each in cells.all_text_contents()[1:3]] == pytest.approx(
+        [kept, shown], rel=1e-3
+    )
+    again = opened_at(browser, served, page.url.partition("/structures")[2]).page
+    assert again.locator("#comparison tbody tr").all_text_contents() == lines
+    again.close()
+    page.select_option("#structure", "stack")
+    settle(page)
+    page.click("#undo")
+    settle(page)
+    assert page.input_value("#structure") == "arch"
+    assert page.input_value("#friction-value") == "0.4"
+    assert page.locator("#comparison tbody tr").all_text_contents() == lines
+    page.keyboard.press("Control+z")
+    settle(page)
+    assert page.input_value("#friction") == "0.7"
+    page.keyboard.press("Control+z")
+    settle(page)
+    assert not page.is_visible("#kept")
+    assert opened.errors == []
+
+
+def test_a_dropped_file_opens_beside_the_one_that_is_shown(opened: Opened) -> None:
+    page = opened.page
+    page.set_input_files("#open", STUDIES / "structures/trilith.yaml")
+    page.wait_for_url("**/opened?file=*")
+    text = (STUDIES / "structures/trilith.yaml").read_text()
+    changed = text.replace("friction: 0.7", "friction: 0.77")
+    assert changed != text
+    drop = """([text]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([text], "rougher.yaml"));
+      dispatchEvent(new DragEvent("drop", { dataTransfer: data, cancelable: true }));
+    }"""
+    page.evaluate(drop, [changed])
+    page.wait_for_url("**/opened?file=*&kept=*")
+    row = page.locator("#comparison tr", has_text="interfaces.friction")
+    assert row.locator("td").all_text_contents()[1:] == ["0.7", "0.77", "+0.07", "+10.0 %"]
+    models = page.locator("#structure-model option").all_text_contents()
+    assert models[2:] == ["static model, kept: trilith", "limit analysis, kept: trilith"]
+    page.select_option("#structure-model", "kept-limit")
+    assert page.url.endswith("#structure-model=kept-limit")
+    shown = page.text_content("#reactions tbody")
+    page.reload()
+    expect(page.locator("#structure-model")).to_have_value("kept-limit")
+    assert page.text_content("#reactions tbody") == shown
+    assert Axe().run(page).violations_count == 0
+    page.go_back()
+    expect(page.locator("#comparison")).to_have_count(0)
+    assert opened.errors == []
 
 
 @pytest.mark.parametrize("window", [{}, {"color_scheme": "dark"}, {"viewport": NARROW}])

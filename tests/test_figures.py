@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from conftest import ROOT
 from made_up_results import record_with, tables_of
+from small import BOTH, TWO_MESHES
 
 from analysis.figures import figures_of
 from analysis.figures.draw import DRAWN_BY, KINDS, run
@@ -16,10 +17,9 @@ from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
 from analysis.tables.comparisons import variants_table
+from sidmacib import Joint, NodeLayout
 from sidmacib.engines import ENGINES
-from sidmacib.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, detailed
 from workflow.case import JointCase
 from workflow.cases import cases_of
@@ -36,10 +36,8 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     per_sample = {f"{kind}-{sample}" for kind in kinds for sample in samples}
     of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[2:4] for sample in samples}
     assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
-    assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - {
-        "stiffness",
-        "fracture_energy",
-    }
+    variants = {"stiffness", "fracture_energy"}
+    assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - variants
 
 
 def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:
@@ -69,9 +67,8 @@ def test_a_sweep_over_many_samples_has_figures_of_the_first_ones_only() -> None:
 def face_and_nodes(request: pytest.FixtureRequest):
     model = assemble(Joint(3), 0.005, request.param)
     locks_of_faces = lock_faces(Joint(3))
-    number, face = next(
-        (i, f) for i, f in enumerate(model.faces) if locks_of_faces.get(f.name) == 1
-    )
+    names = [locks_of_faces.get(face.name) for face in model.faces]
+    number, face = names.index(1), model.faces[names.index(1)]
     positions = model.nodes.position[model.nodes.face == number]
     return face, pd.DataFrame(positions, columns=["x_m", "y_m", "z_m"])
 
@@ -87,17 +84,9 @@ def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
 
 
 # --- cases without a result ----------------------------------------------------------------------
-STUDY = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.02, 0.01],
-    "eccentricities": [0, 0.3, "torsion"],
-    "models": ["static", "limit"],
-    "dem": {"engines": ["yade", "liggghts"]},
-    "variants": {
-        "stiff": {"young": 1e9},
-        "tough": {"failure": "softening", "fracture_energy": 10.0},
-    },
-}
+TOUGH = {"failure": "softening", "fracture_energy": 10.0}
+MORE = {"models": ["static", "limit"], "variants": {"stiff": {"young": 1e9}, "tough": TOUGH}}
+STUDY = TWO_MESHES | BOTH | MORE
 
 
 def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> list[str]:
@@ -110,16 +99,13 @@ def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> lis
     ]
     tables = tables_of(study, records) | {"models": models_table(records)}
     tables["envelopes"] = pd.DataFrame(envelope_rows(study))
-    tables["variants"] = variants_table(
-        study, tables["capacity"], weight_sums(weights_table(records))
-    )
+    sums = weight_sums(weights_table(records))
+    tables["variants"] = variants_table(study, tables["capacity"], sums)
     inputs = {kind.name: folder / f"{kind.name}.csv" for kind in KINDS}
     for kind in KINDS:
         write_table(kind, tables[kind.name], inputs[kind.name])
-    arguments = {
-        "study": study.part("variants", "figures", "measured"),
-        "detailed_models": detailed(study.model_names),
-    }
+    part = study.part("variants", "figures", "measured")
+    arguments = {"study": part, "detailed_models": detailed(study.model_names)}
     names = figures_of(study, arguments["detailed_models"])
     saved = [folder / f"{name}.png" for name in names if not name.startswith(("joint", "options"))]
     run(arguments, inputs, {"figures": saved})

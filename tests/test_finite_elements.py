@@ -1,4 +1,4 @@
-"""Elastic cuboids: exact where theory is, and the same as elements in three dimensions."""
+"""Elastic cuboids against theory and elements in three dimensions; gaps that open and close."""
 
 import numpy as np
 import pytest
@@ -7,26 +7,18 @@ import skfem
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.elastic.finite_elements import ElasticCuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.elastic.jumps import OpenGaps
 
 SIZE = np.array([0.06, 0.05, 0.027])
 POISSON = 0.2
 
 
 def grid(size: Floats, *cells: int) -> Grid:
-    x, y, z = (
-        tuple(np.linspace(-s / 2, s / 2, n + 1).tolist()) for s, n in zip(size, cells, strict=True)
-    )
+    ends = zip(size, cells, strict=True)
+    x, y, z = (tuple(np.linspace(-s / 2, s / 2, n + 1).tolist()) for s, n in ends)
     return x, y, z
-
-
-def ends(cuboid: ElasticCuboid, axis: int) -> tuple[Floats, Floats]:
-    """Nodes of the two sides across ``axis``."""
-    place = cuboid.place[:, axis]
-    return (
-        np.flatnonzero(np.isclose(place, place.min())),
-        np.flatnonzero(np.isclose(place, place.max())),
-    )
 
 
 def seen_at(cuboid: ElasticCuboid, nodes: Floats) -> Flexibility:
@@ -39,9 +31,7 @@ def seen_at(cuboid: ElasticCuboid, nodes: Floats) -> Flexibility:
 @pytest.mark.parametrize(
     ("quadratic", "element"), [(True, skfem.ElementHex2()), (False, skfem.ElementHex1())]
 )
-def test_elements_are_those_of_the_library_in_three_dimensions(
-    quadratic: bool, element: skfem.Element
-) -> None:
+def test_elements_are_those_of_the_library_in_3d(quadratic: bool, element: skfem.Element) -> None:
     edges = grid(SIZE, 2, 1, 1)
     cuboid = ElasticCuboid(edges, POISSON, quadratic=quadratic)
     mesh = skfem.MeshHex.init_tensor(*map(np.array, edges))
@@ -55,16 +45,10 @@ def test_elements_are_those_of_the_library_in_three_dimensions(
 def _component(basis: skfem.Basis) -> Floats:
     """Component of each degree of freedom."""
     found = np.empty(basis.N)
-    for name, (dofs, per) in {
-        "nodal": (basis.dofs.nodal_dofs, 3),
-        "edge": (basis.dofs.edge_dofs, 3),
-        "facet": (basis.dofs.facet_dofs, 3),
-        "interior": (basis.dofs.interior_dofs, 3),
-    }.items():
+    for place in ("nodal", "edge", "facet", "interior"):
+        dofs = getattr(basis.dofs, f"{place}_dofs")
         if dofs is not None and dofs.size:
-            assert dofs.shape[0] == per, name
-            for component in range(3):
-                found[dofs[component]] = component
+            found[dofs] = np.arange(3)[:, None]
     return found
 
 
@@ -98,7 +82,7 @@ def test_a_linear_pressure_is_linear_in_x() -> None:
     mean = cuboid.load(Spread((0.0, 1.0, 0.0, 0.0, 0.0, 0.0), 1, False))
     slope = cuboid.load(Spread((0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 1, False))
     loaded = np.flatnonzero(mean.reshape(-1, 3)[:, 1])
-    assert set(loaded) == set(ends(cuboid, 1)[0])
+    assert set(loaded) == set(np.flatnonzero(cuboid.place[:, 1] == cuboid.place[:, 1].min()))
     assert np.abs(slope.reshape(-1, 3)[:, [0, 2]]).max() < 1e-12 * np.abs(slope).max()
     # M x / (a^3 (h + H) / 12) against V / (a (h + H))
     middle = loaded[np.isclose(cuboid.place[loaded, 0], 0.0)]
@@ -118,3 +102,68 @@ def test_displacements_have_no_rigid_part() -> None:
     every = np.arange(len(cuboid.place))
     found = seen_at(cuboid, every).contact
     assert np.abs(cuboid.rigid_mass.T @ found).max() < 1e-12 * np.abs(found).max()
+
+
+COMPONENTS = 24
+
+
+def influence(size: int = COMPONENTS) -> Floats:
+    factor = np.random.default_rng(1).normal(size=(size, size))
+    return np.asarray(factor @ factor.T) + np.eye(size)
+
+
+def anew(matrix: Floats, gaps: Flags) -> Floats:
+    """The transform by its definition: R, P and -H."""
+    own = np.linalg.inv(matrix[np.ix_(gaps, gaps)])
+    whole = np.empty_like(matrix)
+    across = matrix[np.ix_(~gaps, gaps)]
+    whole[np.ix_(gaps, gaps)] = -own
+    whole[np.ix_(~gaps, gaps)] = across @ own
+    whole[np.ix_(gaps, ~gaps)] = whole[np.ix_(~gaps, gaps)].T
+    whole[np.ix_(~gaps, ~gaps)] = matrix[np.ix_(~gaps, ~gaps)] - across @ own @ across.T
+    return whole
+
+
+def test_gaps_that_open_and_close_are_as_solved_anew() -> None:
+    matrix, random = influence(), np.random.default_rng(2)
+    gaps = OpenGaps(matrix, np.zeros(COMPONENTS))
+    for share in (0.5, 0.6, 0.6, 0.4, 0.0, 0.7):
+        which = random.random(COMPONENTS) < share
+        assert np.abs(gaps.opened(which) - anew(matrix, which)).max() < 1e-9
+
+
+def test_more_components_come_last_and_closed() -> None:
+    matrix, old = influence(), COMPONENTS - 6
+    which = np.arange(COMPONENTS) % 3 == 0
+    which[old:] = False
+    gaps = OpenGaps(matrix[:old, :old], np.zeros(old))
+    gaps.opened(which[:old])
+    more = gaps.extended(matrix, np.zeros(COMPONENTS))
+    assert np.abs(more.opened(which) - anew(matrix, which)).max() < 1e-9
+    which[-2:] = True
+    assert np.abs(more.opened(which) - anew(matrix, which)).max() < 1e-9
+
+
+def test_digits_that_a_loose_piece_costs_are_won_back() -> None:
+    """Two components that only the floor holds together: open, then closed again."""
+    matrix = np.array([[1.0, 1.0, 0.5], [1.0, 1.0, 0.5], [0.5, 0.5, 2.0]])
+    gaps = OpenGaps(matrix, np.full(3, 1e-12))
+    one, both = np.array([True, False, False]), np.array([True, True, False])
+    gaps.opened(one)
+    gaps.opened(both)
+    found = gaps.opened(one)
+    assert np.abs(found - anew(matrix + 1e-12 * np.eye(3), one)).max() < 1e-11
+
+
+def test_no_gap_and_nothing_but_gaps_are_no_error_of_the_linear_algebra(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """LAPACK prints its errors itself, about a matrix of no rows too."""
+    matrix = influence()
+    for first, then in ((True, False), (False, True)):
+        gaps = OpenGaps(matrix, np.zeros(COMPONENTS))
+        for whole in (first, then):
+            which = np.full(COMPONENTS, whole)
+            gaps.accurate = False  # so that it is computed from the start
+            assert np.abs(gaps.opened(which) - anew(matrix, which)).max() < 1e-9
+    assert capfd.readouterr() == ("", "")

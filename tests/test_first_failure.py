@@ -10,14 +10,11 @@ from conftest import scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.errors import CapacityError
+from sidmacib import CapacityError, pairs_of, static_first_failure
 from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Elastic, Failure
-from sidmacib.mechanics.static import static_first_failure
 from sidmacib.rule import ELASTIC, JointFailure, first_failure
-from sidmacib.rule.pairs import pairs_of
 
 SMOOTH = replace(DRY, friction=0.0)
 DIRECTIONS = (0.0, 0.1, 0.5, 2.0, math.inf)
@@ -35,9 +32,7 @@ def failure(joint: Joint, eccentricity: float = 0.0, push: Push = Push.PLUS_Y) -
 
 def on_mesh(joint: Joint, loading: Loading, cells: int) -> float:
     """The static model's first failure (N) on so many cells along a lock's shorter side."""
-    assembly = assemble(joint, joint.least_side / cells)
-    loads = lateral_load(joint, assembly, loading)
-    return static_first_failure(assembly, loads).point.load
+    return static_first_failure(*posed(joint, loading, joint.least_side / cells)).point.load
 
 
 @pytest.mark.parametrize("body", BODIES)
@@ -49,9 +44,8 @@ def test_the_lower_locks_carry_the_load(locks: int, eccentricity: float, body: U
     state = failure(joint, eccentricity)
     lower = np.array([not joint.is_upper(lock) for lock in joint.numbers])
     direction = Direction(eccentricity)
-    assert -state.force_y[lower].sum() == pytest.approx(
-        state.load * direction.shear, abs=1e-6 * joint.T0
-    )
+    shear = state.load * direction.shear
+    assert -state.force_y[lower].sum() == pytest.approx(shear, abs=1e-6 * joint.T0)
     assert -state.torque[lower].sum() == pytest.approx(
         state.load * direction.torque * joint.a, abs=1e-6 * joint.T0 * joint.a
     )
@@ -94,9 +88,8 @@ def test_the_first_failure_scales_with_strength_and_area(
 @pytest.mark.parametrize("eccentricity", [0.5, math.inf])
 def test_torques_of_either_sign_are_alike(eccentricity: float) -> None:
     joint = joint_of(4)
-    assert failure(joint, -eccentricity).load == pytest.approx(
-        failure(joint, eccentricity).load, rel=1e-4
-    )
+    one, other = (failure(joint, sign * eccentricity).load for sign in (-1, 1))
+    assert one == pytest.approx(other, rel=1e-4)
 
 
 def test_an_even_joint_pushed_back_is_one_that_begins_with_a_lower_lock() -> None:
@@ -167,15 +160,9 @@ def test_the_first_failure_is_the_same_however_bonds_fail(how: Failure) -> None:
         ({"locks": 1}, r"locks: must be at least 2 for the law \(got 1\)"),
         ({"different": {2: OwnLock(width=0.03)}}, "different: must be none"),
         ({"upper_body": UpperBody.JOINED}, "upper_body: must be columns or monolithic"),
-        (
-            {"inner": replace(INNER, friction=0.2)},
-            "inner.friction: must be 0",
-        ),
+        ({"inner": replace(INNER, friction=0.2)}, "inner.friction: must be 0"),
         ({"inner": replace(INNER, cohesion=0.0)}, "inner.cohesion: must be more than 0"),
-        (
-            {"inner": replace(INNER, tensile_strength=0.0)},
-            "inner.tensile_strength: must be more",
-        ),
+        ({"inner": replace(INNER, tensile_strength=0.0)}, "inner.tensile_strength: must be more"),
     ],
 )
 def test_what_the_law_is_not_made_for_is_refused(others: dict[str, Any], words: str) -> None:

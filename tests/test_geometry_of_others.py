@@ -1,6 +1,7 @@
 """Files as other programs write them give the answer of the same blocks written plainly."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ import trimesh
 from command_runner import answers, run
 from structures import dry
 
-from sidmacib.structure.blocks import box
+from sidmacib.structure.blocks import box, prism
+from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.repair import bodies_in, repaired
 from sidmacib.structure.files.structure_file import structure_of
@@ -82,6 +84,39 @@ def test_a_lintel_with_a_gap_or_an_overlap_below_it_stands_by_the_tolerance(gap:
     assert structure_warnings(structure_of(text | {"tolerance": 0.01}).assembly, 0.01) == []
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_one_tolerance_takes_all_gaps_of_a_kind_and_none_of_another(sign: float) -> None:
+    """Joints of a scan are apart by one to three millimetres, those that are meant by 50."""
+    low, blocks = 0.0, [CUBE]
+    for number, gap in enumerate((0.001, 0.002, 0.003)):
+        low += 1.0 + sign * gap
+        blocks.append(box(f"stone{number}", (0.0, 0.0, low), (1.0, 1.0, low + 1.0), 2e3))
+    blocks.append(box("beside", (1.05, 0.0, 0.0), (2.05, 1.0, 1.0), 2e3, fixed=True))
+    words = "touches no other" if sign > 0.0 else "by 0.003 m, the most of 3 pairs"
+    with pytest.raises(ValueError, match=f"{words}.*; tolerance: 0.002 takes"):
+        interfaces(blocks)
+    assert len(interfaces(blocks, 0.002)) == 3
+
+
+def test_a_proposed_tolerance_is_allowed() -> None:
+    """Where gaps go on to the largest tolerance, half the thinnest block, it is not rounded up."""
+    plate = box("plate", (0.0, 0.0, 1.1), (1.0, 1.0, 1.31), 2e3)
+    with pytest.raises(ValueError, match=r"tolerance: 0\.066 takes") as refused:
+        interfaces([CUBE, plate])
+    near = float(str(refused.value).rpartition("tolerance: ")[2].split()[0])
+    assert len(interfaces([CUBE, plate], near)) == 1
+
+
+def test_what_shares_most_of_its_volume_does_not_touch_whatever_the_tolerance() -> None:
+    """Where blocks are not convex: two angles in nearly one place, as in a file of two variants."""
+    outline = [(0, 0, 0), (1, 0, 0), (1, 0, 0.5), (0.5, 0, 0.5), (0.5, 0, 1), (0, 0, 1)]
+    one = prism("one", outline, (0, 1, 0), 2e3)
+    other = prism("other", [(x + 0.1, y, z) for x, y, z in outline], (0, 1, 0), 2e3)
+    for near in (1e-6, 0.1):
+        with pytest.raises(ValueError, match=r"^blocks: one and other overlap by 0\.65 m3$"):
+            interfaces([one, other], near)
+
+
 def test_a_block_that_touches_nothing_is_told_the_tolerance() -> None:
     above = box("above", (0.0, 0.0, 1.01), (1.0, 1.0, 2.01), 2e3)
     with pytest.raises(ValueError, match=r"touches no other block; .* 0\.01 m away; tolerance: 0"):
@@ -118,11 +153,91 @@ def test_a_vertex_on_an_edge_divides_it() -> None:
     assert repaired("cube", np.array(middle), faces, 2e3).volume == pytest.approx(1.0)
 
 
+def test_a_folded_face_is_cut_at_its_fold_whichever_vertex_is_first(tmp_path: Path) -> None:
+    """As where two bricks of a dome were joined: a roof of 2 m by 1 m, 0.2 m thick upright."""
+    plan = [(0, 0, 0), (1, 0, 0.5), (2, 0, 0), (2, 1, 0), (1, 1, 0.5), (0, 1, 0)]
+    places = np.array([*plan, *((x, y, z - 0.2) for x, y, z in plan)], float)
+    sides = [(k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6) for k in range(6)]
+    for start in range(6):
+        top = tuple((start + k) % 6 for k in range(6))
+        faces = [top, tuple(6 + k for k in reversed(top)), *sides]
+        roof = repaired("roof", places, faces, 2e3)
+        assert roof.volume == pytest.approx(0.4)
+        lines = [f"v {x} {y} {z}" for x, y, z in places]
+        lines += ["f\t" + " ".join(f"{k + 1}//1" for k in face) for face in faces]
+        (tmp_path / "roof.obj").write_text("\n".join(lines))
+        (found,) = blocks_from_mesh(tmp_path / "roof.obj", 2e3).values()
+        assert found.volume == pytest.approx(0.4)
+
+
+def test_two_blocks_are_cut_alike_where_they_share_a_warped_face() -> None:
+    """Each writes it from another vertex."""
+    lifted = 0.2 * (CUBE.places[:, :2] == 1.0).all(axis=1)[:, None] * np.array([0.0, 0.0, 1.0])
+    below = repaired("below", CUBE.places + CUBE.places[:, 2:] * lifted, CUBE.faces, 2e3)
+    from_next = [(*face[1:], face[0]) for face in CUBE.faces]
+    above = repaired("above", CUBE.places + np.array([0.0, 0.0, 1.0]) + lifted, from_next, 2e3)
+    for start in (CUBE.faces, from_next):
+        again = repaired("below", CUBE.places + CUBE.places[:, 2:] * lifted, start, 2e3)
+        assert again.volume == below.volume
+        assert len(interfaces([again, above])) == 2
+
+
 def test_an_open_body_is_named_with_the_place_and_a_remedy() -> None:
     with pytest.raises(
         ValueError, match=r"^cube: .*edge between \(.*\) and \(.*\) .*close the hole"
     ):
         repaired("cube", CUBE.places, CUBE.faces[1:], 2e3)
+
+
+def test_a_body_is_flat_by_its_own_size_not_by_that_of_all_in_its_file() -> None:
+    small = 0.1 * CUBE.places
+    small[6] += (0.0, 0.0, 1e-6)  # rounding, beyond a millionth of this body alone
+    both = np.vstack([small, CUBE.places + 10.0])
+    assert repaired("stone", both, CUBE.faces, 2e3).volume == pytest.approx(1e-3, rel=1e-5)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("slope", [0.0, 0.5])
+def test_a_support_may_be_a_flat_face_but_a_free_block_not(
+    slope: float, turned: bool, tmp_path: Path
+) -> None:
+    given = json.loads((CASES / "cra_plain.json").read_text())
+    node = given["data"]["graph"]["data"]["node"]
+    corners = [(-1, -1, 0), (2, -1, 0), (2, 2, 3 * slope), (-1, 2, 3 * slope)]
+    top = {str(k): dict(zip("xyz", at, strict=True)) for k, at in enumerate(corners)}
+    ends = [0, 3, 2, 1] if turned else [0, 1, 2, 3]
+    node["0"]["block"]["data"] |= {"vertex": top, "face": {"0": ends}}
+    for vertex in node["1"]["block"]["data"]["vertex"].values():
+        vertex["z"] += slope * (vertex["y"] + 1.0)
+    path = tmp_path / "flat.json"
+    path.write_text(json.dumps(given))
+    ground, block = read_compas(path, 2e3)
+    (face,) = interfaces([ground, block])
+    assert face.outline.area == pytest.approx(math.hypot(1.0, slope))
+    with pytest.raises(ValueError, match=r"block-0: its faces must close a volume"):
+        read_compas(path, 2e3, fixed=["1"])
+
+
+def test_lists_of_meshes_may_be_in_lists(tmp_path: Path) -> None:
+    path = tmp_path / "lists.json"
+    meshes = json.loads((CASES / "mesh_list.json").read_text())
+    path.write_text(json.dumps([[each] for each in meshes]))
+    assert len(read_compas(path, 2e3, fixed=["0"])) == len(meshes)
+
+
+@pytest.mark.parametrize("file", ["mm.obj", "mesh_list.json"])
+def test_blocks_may_be_fixed_by_their_height(file: str) -> None:
+    options = ("--fixed-below", "-10mm", "--friction", "0.4")
+    unit = ("--unit", "mm") if file == "mm.obj" else ()
+    found = limit(str(CASES / file), *options, *unit)
+    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
+
+
+def test_a_file_without_supports_is_told_how_to_name_them() -> None:
+    ended = run("assembly", str(CASES / "yup.obj"), "--up", "y")
+    assert ended.output.splitlines()[-1].endswith(
+        "name those that cannot move: --fixed, --fixed-below"
+    )
 
 
 def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> None:

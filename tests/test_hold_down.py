@@ -7,35 +7,22 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import loaded
 
-from sidmacib.contact_points import OPTIONS
-from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib import OPTIONS, Sidmacib, capacity, limit_load
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import PLATE, assemble
-from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
+from sidmacib.mechanics.assembly import Kind, NodeLayout
+from sidmacib.mechanics.static import Mode, static_peak
 
-PUSHED = Loading(Direction(0.0))
 WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight()]
-
-
-def loaded(joint: Joint, loading: Loading = PUSHED, mesh: float = 0.02) -> tuple[Assembly, Loads]:
-    model = assemble(joint, mesh, NodeLayout.CENTRES)
-    return model, lateral_load(joint, model, loading)
-
-
-def solved(joint: Joint, loading: Loading = PUSHED) -> StaticSolution:
-    return static_peak(*loaded(joint, loading))
 
 
 # --- pieces and loads ----------------------------------------------------------------------------
 @pytest.mark.parametrize("hold_down", WITHOUT_PLATE)
 @pytest.mark.parametrize("body", UpperBody)
-def test_a_plate_is_there_only_where_it_holds_the_joint_down(
-    hold_down: HoldDown, body: UpperBody
-) -> None:
+def test_a_plate_is_only_where_it_holds_a_joint_down(hold_down: HoldDown, body: UpperBody) -> None:
     for hold, there in ((hold_down, False), (HoldDown(), True)):
         model = assemble(Joint(3, upper_body=body, hold_down=hold), 0.03, NodeLayout.CENTRES)
         assert any(piece.name == PLATE for piece in model.pieces) is there
@@ -51,7 +38,7 @@ def test_what_is_given_acts_evenly_on_the_top(
     joint = Joint(3, different=different, upper_body=body, hold_down=HoldDown.weight())
     given = HoldDown.pressure(amount) if is_pressure else HoldDown.force(amount)
     (model, weight_only), (_, loads) = (
-        loaded(replace(joint, hold_down=hold), mesh=0.009) for hold in (joint.hold_down, given)
+        loaded(replace(joint, hold_down=hold), 0.0, 0.009) for hold in (joint.hold_down, given)
     )
     area = joint.a * (2 * joint.b + width)
     more = loads.permanent - weight_only.permanent
@@ -74,13 +61,13 @@ def test_one_lock_alone_slides_at_friction_times_what_presses_it(
     joint = replace(joint, hold_down=HoldDown.force(force))
     height = joint.H + (joint.h if first is Side.UPPER else 0.0)
     weight = joint.density * 9.81 * joint.a * joint.b * height
-    found = solved(joint)
+    problem = loaded(joint, 0.0, 0.02)
+    found = static_peak(*problem)
     # In increments that suit the lock's strength, which is not what holds it.
     accuracy = 1e-5 * (force + joint.T0)
     assert found.peak.load == pytest.approx(friction * (weight + force), rel=1e-3, abs=accuracy)
     assert found.mode is Mode.MECHANISM
-    model, loads = loaded(joint)
-    limit = limit_load(model, loads, friction=True).load
+    limit = limit_load(*problem, friction=True).load
     assert limit == pytest.approx(friction * (weight + force), rel=1e-6, abs=1e-6)
 
 
@@ -94,29 +81,27 @@ def test_a_tall_joint_that_is_pushed_at_half_its_height_tips_about_its_outermost
     joint = replace(joint, hold_down=HoldDown.force(force))
     weight = joint.density * 9.81 * joint.a * joint.b * (joint.h + H)
     half = joint.b / 2 - joint.b / math.ceil(joint.b / mesh - 1e-9) / 2
-    found = static_peak(*loaded(joint, mesh=mesh))
+    found = static_peak(*loaded(joint, 0.0, mesh))
     assert found.peak.load == pytest.approx((weight + force) * half / ((joint.h + H) / 2), rel=1e-3)
     assert found.mode is Mode.ROCKING
 
 
 @pytest.mark.parametrize("push", Push)
 @pytest.mark.parametrize("first", Side)
-def test_a_joint_without_friction_rocks_where_its_self_weight_no_longer_balances(
-    push: Push, first: Side
-) -> None:
+def test_a_joint_without_friction_rocks_where_weight_is_too_little(push: Push, first: Side) -> None:
     """About the outermost nodes of the last foot that presses, with no bond at its strength."""
     joint = Joint(3, first=first, dry=replace(DRY, friction=0.0), hold_down=HoldDown.weight())
-    found = solved(joint, Loading(Direction(0.0), push=push))
+    problem = loaded(joint, 0.0, 0.02, push=push)
+    found = static_peak(*problem)
     assert found.mode is Mode.ROCKING
-    model, loads = loaded(joint, Loading(Direction(0.0), push=push))
-    assert found.peak.load == pytest.approx(limit_load(model, loads).load, rel=2e-3)
+    assert found.peak.load == pytest.approx(limit_load(*problem).load, rel=2e-3)
     assert found.peak.load < 0.1 * joint.T0
 
 
 @pytest.mark.parametrize("hold_down", [HoldDown(), HoldDown.force(500.0)])
 def test_what_holds_the_joint_down_lets_the_locks_fail_instead(hold_down: HoldDown) -> None:
     joint = Joint(3, dry=replace(DRY, friction=0.0), hold_down=hold_down)
-    found = solved(joint)
+    found = static_peak(*loaded(joint, 0.0, 0.02))
     assert found.mode is Mode.BONDS
     assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
 
@@ -150,8 +135,6 @@ def test_sidmacib_rocks_about_the_last_locks_centreline(locks: int, force: float
 
 
 def test_two_amounts_at_once_are_refused_with_what_is_allowed() -> None:
-    allowed = (
-        r"a mapping of 'force', 'pressure' is not allowed; it must be plate, weight, \{force: "
-    )
-    with pytest.raises(ValueError, match=allowed):
+    words = r"a mapping of 'force', 'pressure' is not allowed; it must be plate, weight, \{force: "
+    with pytest.raises(ValueError, match=words):
         HoldDown.read({"force": 500.0, "pressure": 1e4})

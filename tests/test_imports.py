@@ -1,21 +1,14 @@
-"""What importing the package costs, and what it offers."""
+"""What importing the package costs, and what it offers; what quick answers and planning load."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from processes import ROOT, python
 
 import sidmacib
 
-HEAVY = {"cvxpy", "highspy", "clarabel", "scipy", "pandas", "pyarrow", "numba", "pydantic"} | {
-    "matplotlib",
-    "snakemake",
-    "jinja2",
-    "yaml",
-}
+SOLVERS = {"cvxpy", "numba", "matplotlib", "pandas", "scipy"}
+HEAVY = SOLVERS | {"highspy", "clarabel", "pyarrow", "pydantic", "snakemake", "jinja2", "yaml"}
 DESCRIPTION = (
     *("errors", "joint", "joint.pieces", "joint.loading", "validation"),
     "contact_points",
@@ -26,8 +19,7 @@ DESCRIPTION = (
 def loaded_by(code: str) -> set[str]:
     """Top-level modules that are loaded once ``code`` has run in a new interpreter."""
     show = "import sys; print(*{name.partition('.')[0] for name in sys.modules})"
-    command = [sys.executable, "-c", f"{code}\n{show}"]
-    return set(subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
+    return set(python("-c", f"{code}\n{show}", check=True).stdout.split())
 
 
 @pytest.mark.parametrize(
@@ -42,8 +34,51 @@ def test_describing_a_joint_loads_nothing_heavier_than_numpy(code: str) -> None:
     assert loaded_by(code) & HEAVY == set()
 
 
+@pytest.mark.parametrize("module", ["workflow.cases", "workflow.case", "sidmacib.models"])
+def test_planning_imports_no_solver_and_no_table(module: str) -> None:
+    found = loaded_by(f"import {module}")
+    assert not found & (SOLVERS | {"pyarrow", "jinja2"})
+    assert module != "workflow.case" or "pydantic" not in found
+
+
+@pytest.mark.parametrize(
+    ("arguments", "seconds", "allowed"),
+    [
+        (["--help"], 0.4, set()),
+        (["capacity", "-m", "safe", "-m", "law"], 1.0, {"scipy", "numba"}),
+    ],
+)
+def test_a_quick_answer_loads_no_solver_of_others(
+    arguments: list[str], seconds: float, allowed: set[str]
+) -> None:
+    code = (
+        "import sys, time\nfrom sidmacib.command.main import main\n"
+        "try: main(sys.argv[1:])\nexcept SystemExit as end: assert not end.code\n"
+        "print(time.process_time(), *{m.partition('.')[0] for m in sys.modules}, file=sys.stderr)"
+    )
+    found = python("-c", code, *arguments, check=True, PYTHONPATH=str(ROOT))
+    time, *loaded = found.stderr.split()
+    assert SOLVERS & {*loaded} <= allowed
+    assert float(time) < 4.0 * seconds  # a busy machine takes longer
+
+
 def test_solvers_are_loaded_with_the_first_programme() -> None:
     assert "cvxpy" in loaded_by("import sidmacib; sidmacib.capacity")
+
+
+def test_only_what_compiled_code_prints_meanwhile_is_dropped() -> None:
+    code = """import ctypes
+from sidmacib.mechanics.optimisation import silent
+c = ctypes.CDLL(None)
+print("before")
+with silent():
+    c.printf(b"noise in the buffer\\n")
+    c.puts(b"more noise")
+print("after")
+c.puts(b"heard again")
+"""
+    printed = python("-c", code, check=True).stdout
+    assert set(printed.split("\n")) == {"before", "after", "heard again", ""}
 
 
 def test_every_public_name_is_there_and_listed() -> None:
@@ -59,17 +94,9 @@ def test_type_checkers_know_the_types_of_public_names(tmp_path: Path) -> None:
         + "".join(f"sidmacib.{name}\n" for name in sidmacib.__all__)
         + "reveal_type(assemble(Joint(3), 0.02))\nreveal_type(sidmacib.Direction(0.5).shear)\n"
     )
-    command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "user.py"]
-    environment = os.environ | {"MYPYPATH": str(ROOT)}
-    skipped = ["--follow-imports=silent", "--ignore-missing-imports", "--cache-dir", ".cache"]
-    found = subprocess.run(
-        [*command, *skipped],
-        cwd=tmp_path,
-        env=environment,
-        check=False,
-        capture_output=True,
-        text=True,
-    ).stdout
+    strict = ("--strict", "--config-file=", "user.py", "--cache-dir", ".cache")
+    skipped = ("--follow-imports=silent", "--ignore-missing-imports")
+    found = python("-m", "mypy", *strict, *skipped, cwd=tmp_path, MYPYPATH=str(ROOT)).stdout
     assert 'Revealed type is "sidmacib.mechanics.assembly.Assembly"' in found
     assert 'float"' in found
     assert "error" not in found

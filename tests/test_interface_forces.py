@@ -4,22 +4,19 @@ import math
 
 import numpy as np
 import pytest
-from structures import dry
+from structures import GROUND, dry
 
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
+from sidmacib import limit_load, static_peak
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, Vector
 from sidmacib.structure.analysis.forces import InterfaceForce, interface_forces
-from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 
-GROUND = box("ground", (-1.0, -1.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
 
-
-def on_ground(block: Block, material: FaceMaterial) -> Assembly:
-    return structure([GROUND, block], material)
+def on_ground(sizes: Vector, material: FaceMaterial) -> Assembly:
+    return structure([GROUND, box("block", (0.0, 0.0, 0.0), sizes, 2e3)], material)
 
 
 def at_peak(assembly: Assembly, loads: Loads) -> tuple[InterfaceForce, ...]:
@@ -45,7 +42,7 @@ def test_hinges_of_an_arch_are_used_up(model: str) -> None:
 
 
 def test_a_block_that_overturns_has_its_resultant_at_the_edge() -> None:
-    assembly = on_ground(box("block", (0.0, 0.0, 0.0), (0.2, 0.3, 0.8), 2e3), dry(0.9))
+    assembly = on_ground((0.2, 0.3, 0.8), dry(0.9))
     (face,) = at_peak(assembly, acceleration(assembly, (1.0, 0.0, 0.0)))
     assert face.eccentricity == pytest.approx(1.0, abs=1e-3)
     assert face.utilisation == pytest.approx(1.0, abs=1e-3)
@@ -54,11 +51,9 @@ def test_a_block_that_overturns_has_its_resultant_at_the_edge() -> None:
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 45.0, 90.0])
-def test_the_eccentricity_is_over_the_distance_to_the_edge_that_way(
-    share: float, degrees: float
-) -> None:
+def test_eccentricity_is_over_the_distance_to_the_edge_there(share: float, degrees: float) -> None:
     """A weightless plate of 0.4 by 0.6 m is pressed at a point on a line from its middle."""
-    assembly = on_ground(box("plate", (0.0, 0.0, 0.0), (0.4, 0.6, 0.1), 2e3), dry(0.5))
+    assembly = on_ground((0.4, 0.6, 0.1), dry(0.5))
     nodes, middle = assembly.nodes, np.array([0.2, 0.3])
     along = np.array([math.cos(math.radians(degrees)), math.sin(math.radians(degrees))])
     edge = min(0.2 / along[0] if along[0] > 1e-9 else 9.0, 0.3 / along[1] if along[1] > 0 else 9.0)
@@ -73,14 +68,14 @@ def test_the_eccentricity_is_over_the_distance_to_the_edge_that_way(
 
 
 def test_a_face_that_slides_is_used_up_by_its_resultant() -> None:
-    assembly = on_ground(box("block", (0.0, 0.0, 0.0), (0.6, 0.6, 0.2), 2e3), dry(0.3))
+    assembly = on_ground((0.6, 0.6, 0.2), dry(0.3))
     (face,) = at_peak(assembly, acceleration(assembly, (1.0, 0.0, 0.0)))
     assert face.utilisation == pytest.approx(1.0, abs=1e-3)
     assert face.eccentricity == pytest.approx(0.3 * 0.1 / 0.3, abs=2e-3)
 
 
 def test_a_face_that_turns_about_its_normal_is_used_up_by_torsion() -> None:
-    assembly = on_ground(box("block", (0.0, 0.0, 0.0), (0.4, 0.4, 0.2), 2e3), dry(0.3))
+    assembly = on_ground((0.4, 0.4, 0.2), dry(0.3))
     loads = force_at(assembly, "block", (0.0, 0.2, 0.1), (0.0, 1.0, 0.0))
     (face,) = at_peak(assembly, loads)
     assert face.utilisation == pytest.approx(1.0, abs=0.1)  # shear and torsion on an ellipse
@@ -89,7 +84,7 @@ def test_a_face_that_turns_about_its_normal_is_used_up_by_torsion() -> None:
 
 def test_opposed_shear_of_nodes_uses_no_friction() -> None:
     """Nodes of a dry face share what it carries in many ways; it is no nearer to sliding."""
-    assembly = on_ground(box("block", (0.0, 0.0, 0.0), (0.4, 0.4, 0.2), 2e3), dry(0.3))
+    assembly = on_ground((0.4, 0.4, 0.2), dry(0.3))
     force = np.zeros((len(assembly.nodes.area), 3))
     force[:, 0] = assembly.nodes.area / assembly.nodes.area.sum()
     (rest,) = interface_forces(assembly, force)
@@ -102,7 +97,7 @@ def test_opposed_shear_of_nodes_uses_no_friction() -> None:
 
 def test_a_bonded_face_is_used_as_its_most_used_node() -> None:
     glue = FaceMaterial(1e10, 1e10, 0.5, 5e4, 5e4)
-    assembly = on_ground(box("block", (0.0, 0.0, 0.0), (0.4, 0.4, 0.8), 2e3), glue)
+    assembly = on_ground((0.4, 0.4, 0.8), glue)
     path = static_peak(assembly, acceleration(assembly, (1.0, 0.0, 0.0))).path
     first = next(point for point in path if point.state.bonded.all() and point.load > 0.0)
     (face,) = interface_forces(assembly, first.force, first.state)

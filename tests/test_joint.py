@@ -1,12 +1,17 @@
-"""The joint and the directions of loading."""
+"""The joint, its pieces, faces and nodes, and the load on them."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Direction, Joint, Side
+from sidmacib.joint import INNER, Direction, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
+from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Kind, NodeLayout, Rectangle
 
 
 def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:
@@ -30,3 +35,163 @@ def test_direction_keeps_its_eccentricity(eccentricity: float) -> None:
 def test_pure_torsion_has_no_shear(sign: float) -> None:
     direction = Direction(sign * math.inf)
     assert (direction.shear, direction.torque) == (0.0, sign)
+
+
+joints = st.builds(
+    Joint,
+    locks=st.integers(1, 7),
+    first=st.sampled_from(Side),
+    hold_down=st.sampled_from([HoldDown(), HoldDown.force(9.0), HoldDown.weight()]),
+    a=st.floats(0.02, 0.2),
+    b=st.floats(0.02, 0.2),
+    h=st.floats(0.005, 0.1),
+    H=st.floats(0.01, 0.2),
+    upper_body=st.sampled_from(UpperBody),
+)
+
+
+def on_coarse_cells(joint: Joint) -> Assembly:
+    return assemble(joint, 0.99 * joint.least_side, NodeLayout.CENTRES)
+
+
+@given(joints)
+def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
+    model = on_coarse_cells(joint)
+    locks = lock_faces(joint)
+    inner = {locks[face.name]: face for face in model.faces if face.name in locks}
+    assert sorted(inner) == list(range(1, joint.locks + 1))
+    for lock, face in inner.items():
+        assert face.kind is Kind.INNER
+        assert face.area == pytest.approx(joint.a * joint.b)
+        assert face.low[2] == (joint.h if joint.is_upper(lock) else 0.0)
+
+
+@given(joints)
+def test_pieces_fill_the_upper_block_and_the_locks(joint: Joint) -> None:
+    pieces = on_coarse_cells(joint).pieces
+    volume = joint.a * joint.b * joint.locks * (joint.h + joint.H)
+    mass = sum(piece.mass for piece in pieces if not piece.fixed)
+    assert mass == pytest.approx(joint.density * volume)
+
+
+@given(joints)
+def test_faces_lie_on_both_of_their_pieces(joint: Joint) -> None:
+    model = on_coarse_cells(joint)
+    for face in model.faces:
+        below, above = model.pieces[face.below], model.pieces[face.above]
+        assert below.high[face.axis] == pytest.approx(above.low[face.axis])
+        assert face.low[face.axis] == face.high[face.axis] == below.high[face.axis]
+        assert above.centre[face.axis] > below.centre[face.axis]
+        assert face.area > 0
+
+
+def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint) -> None:
+    model = assemble(joint, 0.02, NodeLayout.CENTRES)
+    upper = set(upper_block(joint))
+    for face in model.faces:
+        ends = [model.pieces[face.below].name, model.pieces[face.above].name]
+        assert len({name in upper for name in ends}) == (1 if face.kind is Kind.INNER else 2)
+        assert ("plate" in ends) == (face.kind is Kind.PLATE)
+
+
+SMOOTH = FaceMaterial(1e10, 1e10, 0.0, 0.0, 0.0)
+
+
+def boxes(size: float, gap: float) -> tuple[Cuboid, Cuboid]:
+    """Two cubes, one above the other, ``gap`` apart."""
+    return (
+        Cuboid("lower", (0.0, 0.0, 0.0), (size, size, size), 1.0),
+        Cuboid("upper", (size / 2, 0.0, size + gap), (3 * size / 2, size, 3 * size), 1.0),
+    )
+
+
+def face(pieces: tuple[Cuboid, ...]) -> Rectangle:
+    return shared_face("face", Kind.DRY, SMOOTH, pieces, (0, 1))
+
+
+@given(st.floats(-6, 6))
+def test_pieces_share_the_rectangle_in_which_they_touch(exponent: float) -> None:
+    size = 10.0**exponent
+    found = face(boxes(size, 1e-12 * size))
+    assert found.axis == 2
+    assert found.area == pytest.approx(size**2 / 2)
+
+
+@given(st.floats(-6, 6), st.sampled_from([-1e-3, 1e-6, 1.0]))
+def test_pieces_apart_share_no_face_whatever_their_size(exponent: float, gap: float) -> None:
+    size = 10.0**exponent
+    with pytest.raises(ValueError, match="face: lower does not touch upper from below"):
+        face(boxes(size, gap * size))
+
+
+def test_pieces_that_meet_along_an_edge_share_no_face() -> None:
+    lower = Cuboid("lower", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 1.0)
+    upper = Cuboid("upper", (1.0, 0.0, 1.0), (2.0, 1.0, 2.0), 1.0)
+    with pytest.raises(ValueError, match="does not touch"):
+        face((lower, upper))
+
+
+loadings = st.builds(
+    Loading,
+    st.builds(Direction, st.one_of(st.floats(-10, 10), st.just(math.inf))),
+    share=st.sampled_from(LoadShare),
+    push=st.sampled_from(Push),
+)
+
+
+@given(loadings, st.integers(2, 6))
+def test_loads_on_the_pieces_add_up_to_shear_and_torque(loading: Loading, locks: int) -> None:
+    joint = Joint(locks)
+    loads = lateral_load(joint, assemble(joint, 0.03, NodeLayout.CENTRES), loading)
+    sign = 1 if loading.push is Push.PLUS_Y else -1
+    direction = loading.direction
+    # All centroids lie at x = 0, so the forces add nothing to the torque about z.
+    expected = [0, sign * direction.shear, 0, 0, 0, direction.torque * joint.a]
+    assert loads.variable.sum(axis=0) == pytest.approx(expected)
+
+
+@given(loadings, st.integers(2, 6))
+def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, locks: int) -> None:
+    joint = Joint(locks)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
+    permanent = lateral_load(joint, model, loading).permanent
+    volume = [math.prod(np.subtract(piece.high, piece.low)) for piece in model.pieces]
+    assert permanent[:, 2] == pytest.approx(-9.81 * 1400.0 * np.array(volume))
+    assert (np.delete(permanent, 2, axis=1) == 0.0).all()
+
+
+def loaded(joint: Joint, loading: Loading) -> dict[str, float]:
+    """Force in y on each loaded piece, per newton of load."""
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
+    force = lateral_load(joint, model, loading).variable[:, 1]
+    return {p.name: float(f) for p, f in zip(model.pieces, force, strict=True) if f}
+
+
+def test_the_first_lock_takes_the_share_of_its_height(joint: Joint) -> None:
+    found = loaded(joint, Loading(Direction(0.0)))
+    share = joint.h / (joint.h + joint.H)
+    assert found == pytest.approx({"lock1": share, "column1": 1.0 - share})
+
+
+@pytest.mark.parametrize(
+    ("locks", "push", "names"),
+    [
+        (3, Push.MINUS_Y, {"lock3", "column3"}),
+        (4, Push.MINUS_Y, {"column4"}),  # lock 4 belongs to the lower block
+        (4, Push.PLUS_Y, {"lock1", "column1"}),
+    ],
+)
+def test_the_load_acts_on_the_upper_block_only(locks: int, push: Push, names: set[str]) -> None:
+    found = loaded(Joint(locks), Loading(Direction(0.0), push=push))
+    assert set(found) == names
+    assert np.sign(sum(found.values())) == (1 if push is Push.PLUS_Y else -1)
+
+
+def test_a_load_on_the_body_spares_the_lock(joint: Joint) -> None:
+    assert set(loaded(joint, Loading(Direction(0.0), LoadShare.BODY))) == {"column1"}
+
+
+def test_a_joint_without_cohesion_has_its_weight_for_a_scale(joint: Joint) -> None:
+    weak = replace(joint, inner=replace(INNER, cohesion=0.0))
+    found = lateral_load(weak, assemble(weak, 0.03, NodeLayout.CENTRES), Loading(Direction(0.0)))
+    assert found.scale == pytest.approx(9.81 * 1400.0 * 0.06 * 0.15 * 0.035)

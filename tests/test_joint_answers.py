@@ -10,11 +10,8 @@ from analysis.explore import pictures
 from analysis.explore.pictures import answers as explored
 from analysis.explore.pictures import peak, which_counts
 from analysis.explore.state import Settings
+from sidmacib import Direction, Loading, NodeLayout
 from sidmacib.answers.joint import JointAnswer, joint_answer, meshes
-from sidmacib.joint import Direction
-from sidmacib.joint.loading import Loading
-from sidmacib.joint.pieces import lock_weights
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models.static import solve
 from workflow.results import record_of
 
@@ -57,16 +54,6 @@ def test_a_joint_has_the_same_load_at_every_door(name: str) -> None:
         assert f"peak at V = {shear:.4g} N" in explored(state).words
         at = peak(joint, state.eccentricity)
         assert at is not None and at.shear == pytest.approx(shear, rel=1e-9)
-
-
-@pytest.mark.parametrize("name", ["published", "bonds that fail one by one"])
-def test_locks_have_the_same_weights_at_every_door(name: str) -> None:
-    state = JOINTS[name]
-    found = answer(state)
-    expected = [
-        each.weight for each in lock_weights(state.joint, found.assembly, found.solution.peak.force)
-    ]
-    assert [row["weight"] for row in answers("weights", *flags(state))] == pytest.approx(expected)
 
 
 def test_the_lowest_of_several_peaks_counts(monkeypatch: pytest.MonkeyPatch) -> None:

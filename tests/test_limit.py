@@ -9,22 +9,20 @@ import pytest
 from conftest import block_on_ground, load_on_block, renumbered, scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import loaded
 
-from sidmacib.errors import CapacityError, UnboundedError
+from sidmacib import CapacityError, UnboundedError, static_peak
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.limit import LimitState, limit_load
 from sidmacib.mechanics.optimisation import equilibrium_matrix
-from sidmacib.mechanics.static import static_peak
 
 
 def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:
-    model = assemble(joint, mesh, NodeLayout.CENTRES)
-    return limit_load(model, lateral_load(joint, model, loading)).load
+    return limit_load(*posed(joint, loading, mesh, NodeLayout.CENTRES)).load
 
 
 @pytest.mark.parametrize("e_over_a", [0.0, -5.0, math.inf])
@@ -58,15 +56,12 @@ def test_a_block_pressed_without_end_has_no_limit(joint: Joint) -> None:
 
 
 def test_associated_friction_under_a_fixed_plate_is_refused(joint: Joint) -> None:
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     with pytest.raises(ValueError, match=r"^friction: must be false under a fixed plate"):
-        limit_load(model, lateral_load(joint, model, Loading(Direction(0.0))), friction=True)
+        limit_load(*loaded(joint), friction=True)
 
 
 def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -> None:
-    joint = replace(joint, hold_down=HoldDown.force(1000.0))
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(0.0)))
+    model, loads = loaded(replace(joint, hold_down=HoldDown.force(1000.0)))
     smooth, rough = (limit_load(model, loads, friction=friction).load for friction in (False, True))
     assert smooth == pytest.approx(joint.T0, rel=1e-7)
     # What presses the two upper locks adds; what presses the lower one loads its root.
@@ -75,9 +70,7 @@ def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -
 
 
 @pytest.mark.parametrize("push", Push)
-def test_mirrored_torque_and_push_give_the_same_limit_for_odd_locks(
-    joint: Joint, push: Push
-) -> None:
+def test_mirrored_torque_and_push_have_one_limit_for_odd_locks(joint: Joint, push: Push) -> None:
     expected = limit_of(joint, Loading(Direction(0.3)))
     for eccentricity in (0.3, -0.3):
         found = limit_of(joint, Loading(Direction(eccentricity), push=push))
@@ -126,8 +119,7 @@ def masonry(count: int) -> list[tuple[Joint, float]]:
 
 
 def solved(joint: Joint, eccentricity: float, mesh: float) -> tuple[Assembly, Loads, LimitState]:
-    model = assemble(joint, mesh, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
+    model, loads = loaded(joint, eccentricity, mesh)
     return model, loads, limit_load(model, loads)
 
 
@@ -151,16 +143,11 @@ def test_joints_of_masonry_have_a_limit_that_admissible_forces_carry() -> None:
 
 
 def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(0.3)))
+    model, loads = loaded(joint, 0.3)
     one, other = limit_load(model, loads), limit_load(renumbered(model), loads)
     assert other.load == pytest.approx(one.load, rel=2e-8)
-    back = np.concatenate(
-        [
-            np.flatnonzero(renumbered(model).nodes.face == len(model.faces) - 1 - face)
-            for face in range(len(model.faces))
-        ]
-    )
+    faces = renumbered(model).nodes.face
+    back = np.concatenate([np.flatnonzero(faces == face) for face in range(faces.max(), -1, -1)])
     # Among the many states that carry the load, the same one.
     assert other.force[back] == pytest.approx(one.force, abs=1e-4 * joint.T0)
 
@@ -188,23 +175,16 @@ def test_the_published_samples_need_no_rounding(joint: Joint) -> None:
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5])
-def test_the_frictionless_limit_is_above_the_frictionless_brittle_peak(
-    joint: Joint, eccentricity: float
-) -> None:
-    smooth = replace(joint, dry=replace(joint.dry, friction=0.0))
-    model = assemble(smooth, 0.02, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
-    assert limit_load(model, loads).load >= static_peak(model, loads).peak.load * (1 - 1e-5)
+def test_without_friction_the_limit_is_above_the_peak(joint: Joint, eccentricity: float) -> None:
+    problem = loaded(replace(joint, dry=replace(DRY, friction=0.0)), eccentricity, 0.02)
+    assert limit_load(*problem).load >= static_peak(*problem).peak.load * (1 - 1e-5)
 
 
 @pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
 def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(body: UpperBody) -> None:
     joint = Joint(5, upper_body=body)
-    model = assemble(joint, 0.02, NodeLayout.LOBATTO)
-    found = [
-        limit_load(model, lateral_load(joint, model, Loading(Direction(eccentricity)))).load
-        for eccentricity in (0.49, 0.5, 0.51)
-    ]
+    near = [loaded(joint, e_over_a, 0.02, NodeLayout.LOBATTO) for e_over_a in (0.49, 0.5, 0.51)]
+    found = [limit_load(*problem).load for problem in near]
     assert found == sorted(found, reverse=True)
     assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-3)
 
@@ -213,25 +193,16 @@ def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(body: UpperBody)
 @pytest.mark.parametrize("ratio", [0.5, math.inf])
 def test_an_even_number_of_locks_has_a_limit_load_and_forces(locks: int, ratio: float) -> None:
     """One lock is idle there, which leaves solvers fewer digits."""
-    joint = Joint(locks)
-    assembly = assemble(joint, 0.02)
-    loads = lateral_load(joint, assembly, Loading(Direction(ratio)))
-    found = limit_load(assembly, loads)
-    odd = Joint(locks + 1)
-    other = assemble(odd, 0.02)
-    more = limit_load(other, lateral_load(odd, other, Loading(Direction(ratio)))).load
+    model, loads = loaded(Joint(locks), ratio, 0.02, NodeLayout.LOBATTO)
+    found = limit_load(model, loads)
+    more = limit_load(*loaded(Joint(locks + 1), ratio, 0.02, NodeLayout.LOBATTO)).load
     assert 0.0 < found.load <= more * (1 + 1e-6)
-    residual = equilibrium_matrix(assembly) @ found.force.ravel()
-    applied = (loads.permanent + found.load * loads.variable).ravel()
-    rows = free_rows(assembly)
-    assert np.abs(residual - applied)[rows].max() < 1e-6 * loads.scale
+    assert np.abs(imbalance(model, loads, found)).max() < 1e-6 * loads.scale
 
 
 def test_a_joint_whose_equations_take_too_much_memory_is_refused_before_they_are_made() -> None:
-    joint = Joint(500)
-    assembly = assemble(joint, 0.01)
-    loads = lateral_load(joint, assembly, Loading(Direction(0)))
+    problem = loaded(Joint(500), 0.0, 0.01, NodeLayout.LOBATTO)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(CapacityError, match=r"pieces with .* nodes .* at most 2 GiB are allowed"):
-        limit_load(assembly, loads)
+        limit_load(*problem)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300_000  # kB

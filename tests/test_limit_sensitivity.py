@@ -5,22 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from structures import dry
+from structures import BLOCK, GROUND, dry
 
-from sidmacib.joint import Direction, Joint
+from sidmacib import Direction, Joint, limit_load, vertex_effects
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Vector
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.vertices import vertex_effects
-from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.blocks import Block
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 
-GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
-BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
 GLUE = FaceMaterial(1e10, 1e10, 0.0, 5e3, 1e6)
 
 
@@ -45,20 +41,13 @@ def by(problem: Problem, name: str, material: FaceMaterial, friction: bool = Tru
 
 
 # --- strengths and friction ----------------------------------------------------------------------
-def test_a_block_that_slides_carries_more_by_its_weight_times_the_friction() -> None:
-    problem = pushed([GROUND, BLOCK], dry(0.2))
-    weight = free_weight(problem.assembly)
-    assert by(problem, "friction", dry(0.2)) == pytest.approx(weight, rel=1e-6)
-
-
-def test_a_block_that_overturns_carries_no_more_by_friction() -> None:
-    problem = pushed([GROUND, BLOCK], dry(0.8))
-    assert by(problem, "friction", dry(0.8)) == pytest.approx(0.0, abs=1e-6)
-
-
-def test_a_block_that_slides_as_well_as_overturns_has_no_derivative_by_friction() -> None:
-    problem = pushed([GROUND, BLOCK], dry(0.4))
-    assert by(problem, "friction", dry(0.4)) is None
+@pytest.mark.parametrize(("friction", "rise"), [(0.2, BLOCK.weight), (0.8, 0.0), (0.4, None)])
+def test_friction_adds_the_weight_where_a_block_slides_nothing_where_it_overturns(
+    friction: float, rise: float | None
+) -> None:
+    """Where it does both, there is no derivative."""
+    found = by(pushed([GROUND, BLOCK], dry(friction)), "friction", dry(friction))
+    assert found is None if rise is None else found == pytest.approx(rise, rel=1e-6, abs=1e-6)
 
 
 def test_a_bonded_block_carries_more_by_its_area_times_the_cohesion() -> None:
@@ -76,9 +65,7 @@ def test_strengths_of_a_bonded_arch_agree_with_differences(name: str) -> None:
         changed = with_material(problem.assembly, replace(material, **{name: value * share}))
         loads.append(limit_load(changed, problem.loads, friction=True).load)
     central = (loads[0] - 8.0 * loads[1] + 8.0 * loads[2] - loads[3]) / (0.36 * value)
-    found = by(problem, name, material)
-    assert found is not None
-    load = limit_load(*problem, friction=True).load
+    found, load = by(problem, name, material), limit_load(*problem, friction=True).load
     assert found * value / load == pytest.approx(central * value / load, abs=1e-6)
 
 

@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib.contact_points import OPTIONS
-from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.errors import CapacityError, InfeasibleError
+from sidmacib import OPTIONS, CapacityError, InfeasibleError, Sidmacib, capacity, limit_load
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule import RULES
@@ -35,15 +32,8 @@ def two_blocks(joint: Joint) -> list[Block]:
 
 
 def locks_of(joint: Joint, condensed: Condensed | None = None) -> Locks:
-    return Locks(
-        joint.locks,
-        joint.h,
-        row=(0.0, 1.0, 0.0),
-        first="upper",
-        inner=joint.inner,
-        dry=joint.dry,
-        condensed=condensed,
-    )
+    materials = {"inner": joint.inner, "dry": joint.dry, "condensed": condensed}
+    return Locks(joint.locks, joint.h, row=(0.0, 1.0, 0.0), first="upper", **materials)
 
 
 def with_loads_of(problem: Problem, other: Assembly) -> Loads:
@@ -94,9 +84,7 @@ def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float) -
 @pytest.mark.parametrize("rule", ["law", "safe"])
 @pytest.mark.parametrize(("locks", "eccentricity"), [(4, 0.0), (5, -math.tan(math.pi / 6))])
 @pytest.mark.parametrize("push", [Push.PLUS_Y, Push.MINUS_Y])
-def test_condensed_locks_carry_what_a_rule_says(
-    rule: str, locks: int, eccentricity: float, push: Push
-) -> None:
+def test_condensed_locks_obey_rules(rule: str, locks: int, eccentricity: float, push: Push) -> None:
     joint = Joint(locks, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
     condensed = Condensed(rule=rule)
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, condensed)})
@@ -164,11 +152,8 @@ def test_a_block_across_a_joint_of_two_others_can_have_locks_to_both() -> None:
     def brick(name: str, x: float, z: float, *, fixed: bool) -> Block:
         return box(name, (x, 0.0, z), (x + 0.4, 0.3, z + 0.2), 2e3, fixed=fixed)
 
-    bricks = [
-        brick("left", 0.0, 0.0, fixed=True),
-        brick("right", 0.4, 0.0, fixed=True),
-        brick("top", 0.2, 0.2, fixed=False),
-    ]
+    below = [brick("left", 0.0, 0.0, fixed=True), brick("right", 0.4, 0.0, fixed=True)]
+    bricks = [*below, brick("top", 0.2, 0.2, fixed=False)]
     locks = Locks(3, 0.02, row=(0.0, 1.0, 0.0))
     pairs = [frozenset(("left", "top")), frozenset(("right", "top"))]
     model = structure(bricks, dry(0.5), locked=dict.fromkeys(pairs, locks))

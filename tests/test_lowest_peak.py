@@ -8,26 +8,19 @@ import pandas as pd
 import pytest
 
 from analysis.summary.summary import spread_lines
+from sidmacib import lowest_peak, static_peak
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.joint import INNER, Direction, Elastic, Joint, UpperBody
-from sidmacib.joint.loading import Loading, lateral_load, posed
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout
+from sidmacib.joint.loading import Loading, posed
+from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static import peaks as module
-from sidmacib.mechanics.static import static_peak
-from sidmacib.mechanics.static.peaks import (
-    LOWER,
-    MOST,
-    MOST_ELASTIC,
-    STARTS,
-    FromElsewhere,
-    lowest_peak,
-)
+from sidmacib.mechanics.static.peaks import LOWER, MOST, MOST_ELASTIC, STARTS, FromElsewhere
 from sidmacib.models.static import solve
+from sidmacib.problem import Problem
 from workflow.case import Case, JointSubject
 from workflow.results.joint_part import JointRecord
 from workflow.solve import solved
@@ -35,10 +28,8 @@ from workflow.solve import solved
 NODES, FINE = NodeLayout.LOBATTO, 0.0124875
 
 
-def loaded(locks: int, ratio: float, mesh: float = 0.02) -> tuple[Assembly, Loads]:
-    joint = Joint(locks)
-    assembly = assemble(joint, mesh, NODES)
-    return assembly, lateral_load(joint, assembly, Loading(Direction(ratio)))
+def loaded(locks: int, ratio: float, mesh: float = 0.02) -> Problem:
+    return posed(Joint(locks), Loading(Direction(ratio)), mesh, NODES)
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +40,8 @@ def far() -> StaticSolution:
 
 def record(locks: int, ratio: float) -> JointRecord:
     loading = Loading(Direction(ratio))
-    case = Case(
-        "n", "static", "reference", JointSubject("n", Joint(locks), 0.02, NODES, loading), None
-    )
-    return solved(case, solve)[0]
+    subject = JointSubject("n", Joint(locks), 0.02, NODES, loading)
+    return solved(Case("n", "static", "reference", subject, None), solve)[0]
 
 
 # --- what is found -------------------------------------------------------------------------------
@@ -64,9 +53,7 @@ def test_a_peak_is_found_below_that_of_the_first_path(far: StaticSolution) -> No
     assert far.first_failure_load == first.first_failure_load
 
 
-def test_the_lowest_peak_stays_where_the_input_changes_by_its_last_digits(
-    far: StaticSolution,
-) -> None:
+def test_the_lowest_peak_stays_where_last_digits_of_the_input_change(far: StaticSolution) -> None:
     assembly, loads = loaded(11, 1.0, FINE)
     nodes = assembly.nodes
     change = 1e-9 * np.random.default_rng(0).uniform(-1.0, 1.0, len(nodes.area))
@@ -106,9 +93,7 @@ def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
 
 
 # --- how long it is sought -----------------------------------------------------------------------
-@pytest.mark.parametrize(
-    "joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)], ids=["first failure", "ductile"]
-)
+@pytest.mark.parametrize("joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)])
 def test_no_lower_peak_is_sought_below_the_first_failure_or_of_bonds_that_yield(
     joint: Joint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -137,9 +122,7 @@ def sought(
     return lowest, starts
 
 
-def test_the_search_ends_after_ten_starts_without_a_lower_peak(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_search_ends_after_ten_starts_without_a_lower(monkeypatch: pytest.MonkeyPatch) -> None:
     same, starts = sought([1.0], monkeypatch)
     assert (starts, same.spread) == (STARTS, 0.0)
     lower, starts = sought([1.0, 1.1, 0.9, 1.0], monkeypatch)
@@ -159,9 +142,7 @@ def test_the_search_ends_after_so_many_searches(monkeypatch: pytest.MonkeyPatch)
 
 
 # --- reported peaks ------------------------------------------------------------------------------
-def test_a_record_has_the_lowest_peak_its_spread_and_the_first_failure(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_record_has_lowest_peak_spread_and_first_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     first = record(5, 0.5)
     assert first.load_N is not None and first.peak_spread == 0.0
     sought([0.97], monkeypatch)

@@ -1,14 +1,18 @@
-"""Measured loads: how they are given, and what stands beside them."""
+"""Measured loads, what stands beside them, and how many specimens a laboratory needs."""
 
 import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from conftest import outputs_of
+from scipy.stats import norm
+from small import SMALL
 
 from analysis.tables.comparisons import measured_table
+from studies.measured.specimens import LEAST, POWER, SIGNIFICANCE, specimens
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import MeasuredLoad, Study
 
@@ -19,13 +23,8 @@ LOAD: dict[str, Any] = {"sample": "n3", "eccentricity": 0, "shear": 240.0}
 
 
 def config_with(*loads: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "samples": {"n3": {"locks": 3}},
-        "eccentricities": [0, 0.5, "torsion"],
-        "models": ["static", "law"],
-        "dem": {"engines": []},
-        "measured": {**SOURCE, "loads": list(loads)},
-    }
+    more = {"models": ["static", "law"], "measured": {**SOURCE, "loads": list(loads)}}
+    return SMALL | {"meshes": [0.02, 0.005]} | more
 
 
 def study_with(*loads: dict[str, Any]) -> Study:
@@ -89,3 +88,21 @@ def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> No
 @pytest.mark.study
 def test_a_study_with_measured_loads_has_a_table_of_them(tmp_path: Path) -> None:
     assert "tables/measured.csv" in outputs_of(config_with(LOAD), tmp_path)["comparisons"]
+
+
+def test_so_many_specimens_find_a_difference_as_often_as_asked() -> None:
+    """By simulation: samples of the difference, tested with its known deviation."""
+    difference, deviation = 0.1, 0.2
+    count = specimens(difference, deviation)
+    means = np.random.default_rng(3).normal(difference, deviation / math.sqrt(count), 20_000)
+    found = np.abs(means) > norm.isf(SIGNIFICANCE / 2) * deviation / math.sqrt(count)
+    assert found.mean() == pytest.approx(POWER, abs=0.015)
+
+
+def test_a_large_difference_still_takes_a_few() -> None:
+    assert specimens(1.0, 0.1) == LEAST
+
+
+def test_no_difference_is_refused() -> None:
+    with pytest.raises(ValueError, match="no number of them"):
+        specimens(0.0, 0.2)

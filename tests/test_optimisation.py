@@ -60,9 +60,8 @@ def test_a_solver_that_calls_a_wrong_point_optimal_is_not_believed(
         return _Answer("optimal", **moved)
 
     monkeypatch.setattr(optimisation, "_answer", off)
-    with pytest.raises(
-        SolverError, match=r"^here: no solver's verdict passes its check \(\w+: optimal"
-    ):
+    words = r"^here: no solver's verdict passes its check \(\w+: optimal"
+    with pytest.raises(SolverError, match=words):
         solve(made()[0], "here")
 
 
@@ -83,13 +82,9 @@ def test_an_aim_without_limit_is_unbounded(cone: bool) -> None:
 
 
 @pytest.mark.parametrize("verdict", ["infeasible", "unbounded"])
-def test_a_refusal_without_proof_is_not_believed(
-    verdict: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    nothing = np.zeros(0)
-    monkeypatch.setattr(
-        optimisation, "_answer", lambda solver, raw: _Answer(verdict, nothing, nothing)
-    )
+def test_refusals_without_proof_do_not_count(verdict: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = _Answer(verdict, np.zeros(0), np.zeros(0))
+    monkeypatch.setattr(optimisation, "_answer", lambda solver, raw: given)
     with pytest.raises(SolverError, match=f"HIGHS: {verdict}"):
         solve(linear()[0], "here")
 
@@ -136,9 +131,7 @@ def test_a_direction_proves_that_there_is_no_limit_only_where_it_does(
     assert _unbounded(data, np.array([scale * ray])) is proves
 
 
-def test_where_one_solver_breaks_down_the_next_one_is_asked(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_where_one_solver_breaks_down_the_next_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     def breaks(solver: str, raw: object) -> _Answer:
         if solver == cp.HIGHS:
             return _Answer("solveerror", np.zeros(0), np.zeros(0))

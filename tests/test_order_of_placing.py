@@ -1,8 +1,5 @@
 """Order of placing blocks: what locks leave free."""
 
-import math
-from itertools import pairwise
-
 import numpy as np
 from structures import dry
 
@@ -11,8 +8,9 @@ from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.model import Site
 from sidmacib.joint import DRY, INNER
 from sidmacib.mechanics.assembly import Assembly, Vector
-from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.blocks import box
 from sidmacib.structure.structure import structure
+from studies.structures.shapes import arch as voussoirs
 
 KIND = LockKind((0.04,), 0.02, INNER, DRY)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -69,35 +67,16 @@ def test_of_the_locks_that_block_only_those_needed_for_it_are_named() -> None:
     names = {"ground-cube": X, "cube-east": Y, "cube-north": Z}
     here = sites(assembly, names)
     found = conflict(assembly, here, all_locked(here))
-    assert found is not None
     faces = {assembly.faces[here[site].face].name for site, _ in found}
     assert len(found) <= 2
     assert "cube-east" in faces
-    choice = [
-        None if k in {site for site, _ in found} else each
-        for k, each in enumerate(all_locked(here))
-    ]
+    blocking = {site for site, _ in found}
+    choice = [None if k in blocking else each for k, each in enumerate(all_locked(here))]
     assert conflict(assembly, here, choice) is None
 
 
-def voussoirs(count: int) -> list[Block]:
-    """A semicircle on two springers, t / R 0.2."""
-
-    def at(r: float, angle: float) -> Vector:
-        return r * math.cos(angle), 0.0, r * math.sin(angle)
-
-    angles = [math.pi * k / count for k in range(count + 1)]
-    found = [
-        prism(f"v{k}", [at(0.9, p), at(1.1, p), at(1.1, q), at(0.9, q)], (0.0, 0.3, 0.0), 2e3)
-        for k, (p, q) in enumerate(pairwise(angles))
-    ]
-    for name, low in (("right", 0.9), ("left", -1.1)):
-        found.append(box(name, (low, 0.0, -0.3), (low + 0.2, 0.3, 0.0), 2e3, fixed=True))
-    return found
-
-
 def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has_others() -> None:
-    arch = structure(voussoirs(5), dry(0.7))
+    arch = structure(voussoirs(5, 0.2), dry(0.7))
     radial: dict[str, Vector] = {
         face.name: (face.middle[0], 0.0, face.middle[2]) for face in arch.faces
     }
@@ -114,5 +93,4 @@ def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has
     mixed = sites(arch, radial)
     assert len(order_of(arch, mixed, all_locked(mixed)).stuck) == 5
     found = conflict(arch, mixed, all_locked(mixed))
-    assert found is not None
     assert len(found) == len(arch.faces) == 6

@@ -38,9 +38,7 @@ def test_an_unknown_block_is_refused(tmp_path: Path) -> None:
         filled("<!-- numbers: nothing -->\n<!-- end -->", tmp_path)
 
 
-def test_a_block_whose_table_is_missing_stays(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_block_without_a_table_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = "<!-- numbers: peaks -->\nold\n<!-- end -->"
     assert filled(page, tmp_path) == page
     assert "peaks: unchanged, as" in capsys.readouterr().err

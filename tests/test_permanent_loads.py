@@ -1,18 +1,26 @@
 """Permanent loads of a structure's file, against statics by hand."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from structures import dry, example
+from structures import dry, example, solved
 
+from analysis.tables.structures import structures_table
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_limit import limit_state
+from sidmacib.engines import ENGINES
+from sidmacib.engines.run import refusal
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly
 from sidmacib.mechanics.limit import limit_load
+from sidmacib.models import structure_limit, structure_static
+from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.structure.analysis.capacity_curve import capacity_curve
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.files.loads import PermanentSection, permanent_on
 from sidmacib.structure.files.structure_file import structure_of
@@ -172,7 +180,72 @@ def test_a_fault_of_a_permanent_load_is_named(permanent: dict[str, Any], message
         sliding(permanent)
 
 
-def test_gravity_does_not_turn_beside_permanent_loads() -> None:
-    given = {**CUBE, "permanent": [{"surcharge": {"pascals": 1}}]}
-    with pytest.raises(ValueError, match=r"load.tilt: must not be given beside permanent"):
-        structure_of({**given, "load": {"tilt": {"axis": [0, 1, 0]}}})
+SLOPE = {"tilt": {"axis": [0, 1, 0]}}
+PRESSED = [
+    {"surcharge": {"pascals": 0.4 * WEIGHT}},
+    {
+        "force": {
+            **{"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1]},
+            "newtons": 0.4 * WEIGHT,
+        }
+    },
+]
+
+
+def slides_at(share: float) -> float:
+    """W sin t = mu (W cos t + P), P being a ``share`` of W; degrees."""
+    angle = math.atan(FRICTION)
+    return math.degrees(angle + math.asin(share * math.sin(angle)))
+
+
+@pytest.mark.parametrize("permanent", PRESSED)
+def test_a_block_on_a_slope_slides_later_if_it_is_pressed(permanent: dict[str, Any]) -> None:
+    problem = structure_of({**CUBE, "permanent": [permanent], "load": SLOPE})
+    limit = limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
+    assert limit == pytest.approx(slides_at(0.4), abs=1e-3)
+    answer = static_answer(problem)
+    assert answer.load == pytest.approx(slides_at(0.4), rel=1e-3)
+    assert answer.mode == "sliding"
+
+
+def test_a_force_on_top_of_a_tilted_block_holds_it_by_its_lever() -> None:
+    """W (h sin t - b cos t) / 2 = P x + Q h about the lower edge, x = 0; Q pulls it uphill."""
+    force = {**PRESSED[1]["force"], "at": [0.2, 0.5, 1], "newtons": 0.1 * WEIGHT}
+    up = {**force, "direction": [1, 0, 0], "at": [0.5, 0.5, 1], "newtons": 0.05 * WEIGHT}
+    given = {**CUBE, "interfaces": {"friction": 3}, "load": SLOPE}
+    for forces, moment in (((force,), 0.1 * 0.2), ((force, up), 0.1 * 0.2 + 0.05 * 1.0)):
+        problem = structure_of({**given, "permanent": [{"force": each} for each in forces]})
+        exact = 45.0 + math.degrees(math.asin(2.0 * moment / math.sqrt(2.0)))
+        found = limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
+        assert found == pytest.approx(exact, abs=1e-3)
+        assert static_answer(problem).load == pytest.approx(exact, rel=2e-3)
+
+
+def test_a_study_tilts_beside_permanent_loads(tmp_path: Path) -> None:
+    given = {**CUBE, "permanent": PRESSED[:1], "load": SLOPE}
+    config = {"structures": {"cube": {"description": given}}, "models": ["static", "limit"]}
+    table = structures_table(solved(tmp_path, **config, dem={"engines": []}))
+    assert table["tilt_degrees"].tolist() == pytest.approx([slides_at(0.4)] * 2, rel=1e-3)
+
+
+def test_arrows_and_words_tell_what_does_not_turn() -> None:
+    problem = structure_of({**CUBE, "permanent": PRESSED[1:], "load": SLOPE})
+    found = arrows_of(*problem, load=problem.loads.scale * math.pi / 2)
+    assert found["variable"][0]["force"] == pytest.approx([-WEIGHT, 0, 0], abs=1e-6)
+    assert found["permanent"][0]["force"] == pytest.approx([0, 0, -0.4 * WEIGHT])
+    assert load_of(problem).endswith("permanent loads beside weight, together (0, 0, -7848) N")
+
+
+def test_what_falls_upright_is_said_to_fall_by_all_permanent_loads() -> None:
+    pressed = {"pressure": {"side": [-1, 0, 0], "pascals": 2 * WEIGHT}}
+    problem = structure_of({**CUBE, "permanent": [pressed], "load": SLOPE})
+    for model in (structure_static, structure_limit):
+        with pytest.raises(CapacityError, match="own weight and the other permanent loads"):
+            model.solve(problem)
+
+
+def test_engines_refuse_permanent_loads_beside_gravity_that_turns() -> None:
+    problem = structure_of({**CUBE, "permanent": PRESSED[:1], "load": SLOPE})
+    for name in ("yade", "liggghts"):
+        assert (refusal(ENGINES[name], *problem) or "").startswith("gravity turns beside other")
+        assert refusal(ENGINES[name], *structure_of({**CUBE, "load": SLOPE})) is None

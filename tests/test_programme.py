@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import count as count_from
 
 import cvxpy as cp
 import numpy as np
@@ -11,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import sidmacib.contact_points.programme as programme_module
+from sidmacib import Direction, InfeasibleError, Joint
 from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption, contact_points
 from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, programme
-from sidmacib.errors import InfeasibleError
-from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.optimisation import solve
 
@@ -24,9 +24,7 @@ PURE_SHEAR, TORSION = Direction(0.0), Direction(math.inf)
 @pytest.mark.parametrize(("locks", "published"), [(3, 720.0), (5, 1200.0)])
 @pytest.mark.parametrize("option", OPTIONS)
 @pytest.mark.parametrize("friction", [False, True])
-def test_pure_shear_is_the_published_one(
-    locks: int, published: float, option: str, friction: bool
-) -> None:
+def test_pure_shear_is_published(locks: int, published: float, option: str, friction: bool) -> None:
     model = Sidmacib(Joint(locks), OPTIONS[option], friction=friction)
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(published, rel=1e-9)
 
@@ -52,21 +50,15 @@ def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> f
     admissible = programme(model)
     load = cp.Parameter()
     each = np.array([direction.shear, direction.torque * model.joint.a]) / admissible.units.plane
-    problem = cp.Problem(
-        cp.Minimize(0),
-        [
-            *admissible.constraints,
-            admissible.loads == each * load,
-        ],
-    )
-    count = 0
-    while True:
-        load.value = (count + 1) * step
+    carried = [*admissible.constraints, admissible.loads == each * load]
+    problem = cp.Problem(cp.Minimize(0), carried)
+    for count in count_from(1):
+        load.value = count * step
         try:
             solve(problem, "step")
         except InfeasibleError:
-            return count * step
-        count += 1
+            break
+    return (count - 1) * step
 
 
 def test_a_joint_asked_one_direction_at_a_time_is_made_into_a_programme_once(
@@ -133,9 +125,7 @@ def test_the_load_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitu
 
 @pytest.mark.parametrize("power", [-6, -1, 1, 6])
 @pytest.mark.parametrize("friction", [False, True])
-def test_strength_far_from_what_presses_the_joint_gives_the_load_by_hand(
-    power: int, friction: bool
-) -> None:
+def test_strength_far_from_what_presses_gives_the_load_by_hand(power: int, friction: bool) -> None:
     """Rocking about the last lock, or the locks' strength, decides pure shear."""
     joint = Joint(3)
     joint = replace(joint, inner=replace(joint.inner, cohesion=10.0**power * 8e4))
@@ -161,8 +151,8 @@ def test_three_points_with_unequal_portions_are_possible(joint: Joint) -> None:
     option = ContactOption((-0.4, 0.0, 0.4), (0.25, 0.5, 0.25))
     model = Sidmacib(joint, option, friction=False)
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(720.0)
-    torsion = capacity(model, TORSION)
-    assert torsion.torque == pytest.approx(3 * joint.T0 * 2 * 0.25 * 0.4 * joint.a)
+    torque = 3 * joint.T0 * 2 * 0.25 * 0.4 * joint.a
+    assert capacity(model, TORSION).torque == pytest.approx(torque)
 
 
 def test_three_points_give_a_curve_of_two_straight_parts(joint: Joint) -> None:

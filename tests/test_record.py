@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sidmacib import Assembly, Direction, Joint, Loading, NodeLayout, assemble, lock_weights
 from sidmacib.engines.results import (
     HISTORY,
     NODE_COLUMNS,
@@ -20,15 +21,11 @@ from sidmacib.engines.results import (
     read_outcome,
 )
 from sidmacib.errors import ResultError
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading
-from sidmacib.joint.pieces import assemble, lock_weights
-from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.problem import Outcome, State
 from workflow.case import Case, JointCase, JointSubject
-from workflow.results import Record, record_of, record_without_result
+from workflow.results import BENCHMARKS, Record, read_times, record_of, record_without_result
 from workflow.solve import solved
 
 JOINT = Joint(3)
@@ -48,14 +45,11 @@ def write_engine_files(folder: Path, case: JointCase) -> Assembly:
     """What an engine would write if it found what the static model finds."""
     assembly, found = parts(case)
     peak = found.path[-1]
-    assert peak.force is not None
-    assert peak.bonded is not None
     stress = force_to_stress(assembly.nodes, face_frames(assembly), peak.force)
     lines = [",".join(NODE_COLUMNS)]
     nodes = assembly.nodes
-    for number, place, area, values, bonded in zip(
-        nodes.face, nodes.position, nodes.area, stress, peak.bonded, strict=True
-    ):
+    rows = zip(nodes.face, nodes.position, nodes.area, stress, peak.bonded, strict=True)
+    for number, place, area, values, bonded in rows:
         face = assembly.faces[number]
         numbers = ",".join(repr(float(v)) for v in (*place, area, *values))
         lines.append(f"{face.name},{face.kind},{numbers},{int(bonded)}")
@@ -78,9 +72,8 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
     assert 0 < np.count_nonzero(outcome.path[-1].bonded) < len(assembly.nodes.area)
     assert record.load_N == expected.load_N
     assert record.mode == "bonds"
-    assert [w.weight for w in record.part.weights] == pytest.approx(
-        [w.weight for w in expected.part.weights]
-    )
+    weights = [lock.weight for lock in expected.part.weights]
+    assert [lock.weight for lock in record.part.weights] == pytest.approx(weights)
     assert record.unbalanced_share < 1e-9
     assert record.part.torque_Nm == pytest.approx(record.part.shear_N * 0.5 * JOINT.a)
 
@@ -106,15 +99,12 @@ def test_results_that_cannot_be_are_refused_with_file_and_line(
     assert old in text
     (tmp_path / name).write_text(text.replace(old, new, 1))
     with pytest.raises(ResultError, match=message):
-        found = read_outcome(tmp_path, assembly)
-        record_of(case, case.subject.problem(), found, {})
+        record_of(case, case.subject.problem(), read_outcome(tmp_path, assembly), {})
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
 @pytest.mark.parametrize("column", range(2, len(NODE_COLUMNS)))
-def test_a_node_with_a_number_that_is_none_is_named(
-    tmp_path: Path, column: int, value: str
-) -> None:
+def test_a_node_without_a_number_is_named(tmp_path: Path, column: int, value: str) -> None:
     assembly = write_engine_files(tmp_path, case_of())
     lines = (tmp_path / NODES).read_text().splitlines()
     cells = lines[4].split(",")
@@ -126,9 +116,8 @@ def test_a_node_with_a_number_that_is_none_is_named(
 
 def test_nodes_of_another_joint_are_refused(tmp_path: Path) -> None:
     write_engine_files(tmp_path, case_of(joint=replace(JOINT, a=0.07)))
-    assembly = assemble(JOINT, 0.03, NodeLayout.CENTRES)
     with pytest.raises(ResultError, match=r"nodes.csv"):
-        read_outcome(tmp_path, assembly)
+        read_outcome(tmp_path, assemble(JOINT, 0.03, NodeLayout.CENTRES))
 
 
 @pytest.mark.parametrize(
@@ -160,12 +149,9 @@ def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
 def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
     case = case_of(ratio)
     record, assembly, found = solved(case, static.solve)
-    force = found.path[-1].force
-    assert force is not None
-    strength = JOINT.T0
-    for recorded, lock in zip(
-        record.part.weights, lock_weights(JOINT, assembly, force), strict=True
-    ):
+    force, strength = found.path[-1].force, JOINT.T0
+    locks = lock_weights(JOINT, assembly, force)
+    for recorded, lock in zip(record.part.weights, locks, strict=True):
         assert (recorded.lock, recorded.block) == (lock.lock, lock.block)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio"):
             assert getattr(recorded, name) == pytest.approx(getattr(lock, name), abs=1e-9)
@@ -190,21 +176,15 @@ def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path)
     ("peak", "failed", "refused"),
     [(100.0, 100.1, False), (100.0, 100.2, True), (1.0, 1.02, False), (1.0, 10.0, True)],
 )
-def test_the_load_that_failed_is_held_against_the_tolerance(
-    peak: float, failed: float, refused: bool
-) -> None:
-    found = Outcome((State(peak),), failed)
+def test_a_failed_load_is_held_to_the_tolerance(peak: float, failed: float, refused: bool) -> None:
     with pytest.raises(ResultError, match="the tolerance, above") if refused else nullcontext():
-        check_bracket(found, 0.001, 20.0)
+        check_bracket(Outcome((State(peak),), failed), 0.001, 20.0)
 
 
 @pytest.mark.parametrize(("peak", "refused"), [(79.0, True), (81.0, False), (300.0, False)])
-def test_a_peak_far_below_the_first_failure_of_the_static_model_is_no_result(
-    peak: float, refused: bool
-) -> None:
-    found = Outcome((State(peak),), peak)
+def test_a_peak_far_below_the_static_first_failure_is_no_result(peak: float, refused: bool) -> None:
     with pytest.raises(ResultError, match="nothing fails up to") if refused else nullcontext():
-        check_first_failure(found, 100.0)
+        check_first_failure(Outcome((State(peak),), peak), 100.0)
 
 
 @pytest.mark.parametrize(("factor", "refused"), [(1.0, False), (1.04, False), (1.2, True)])
@@ -212,7 +192,6 @@ def test_stresses_that_do_not_balance_the_loads_are_refused(factor: float, refus
     case = case_of(0.5)
     _, found = parts(case)
     peak = found.path[-1]
-    assert peak.force is not None
     wrong = replace(found, path=(*found.path[:-1], replace(peak, force=factor * peak.force)))
     with pytest.raises(ResultError, match="do not balance") if refused else nullcontext():
         record_of(case, case.subject.problem(), wrong, {})
@@ -242,3 +221,12 @@ def test_stresses_of_every_model_balance_every_piece(solver) -> None:
     for ratio in (0.0, 0.5, math.inf):
         record = solved(case_of(ratio), solver.solve)[0]
         assert record.unbalanced_share < 1e-6
+
+
+def test_times_are_those_of_the_jobs_that_were_measured(tmp_path: Path) -> None:
+    folder, head = tmp_path / BENCHMARKS / "cases/yade", "s\th:m:s\tcpu_time\n"
+    folder.mkdir(parents=True)
+    (folder / "one.tsv").write_text(f"{head}2.5\t0:00:02\t1.5\n")
+    (folder / "two.tsv").write_text(f"{head}0.1\t0:00:00\tNA\n")  # it ended at once
+    assert list(read_times(tmp_path)) == [("yade", 2.5, 1.5)]
+    assert list(read_times(tmp_path / "nothing")) == []

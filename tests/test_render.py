@@ -1,7 +1,6 @@
 """Rendered scripts, and the data and modules beside them."""
 
 import ast
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import fields, replace
@@ -9,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import python
 from stack import tilted_stack
 from structures import dry
 
@@ -69,9 +69,7 @@ def test_all_modules_that_a_script_needs_are_beside_it_and_no_others(
 def test_the_modules_run_without_this_project(tmp_path: Path, case) -> None:
     folder = written(ENGINES["liggghts"], case, tmp_path)
     call = "import engines.liggghts.run, sys; print({'numpy', 'sidmacib'} & set(sys.modules))"
-    found = subprocess.run(
-        [sys.executable, "-S", "-c", call], cwd=folder, capture_output=True, text=True, check=True
-    )
+    found = python("-S", "-c", call, cwd=folder, check=True)
     assert found.stdout.strip() == "set()"
 
 

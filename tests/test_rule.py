@@ -1,19 +1,20 @@
-"""Law and safe rule: where they hold, and what they refuse."""
+"""Law and safe rule: where they hold, what they refuse; the chain in closed form."""
 
 import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from sidmacib.errors import CapacityError
+from sidmacib import CapacityError, Elastic, FaceMaterial, lowest_peak
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load, posed
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Elastic, FaceMaterial
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.static import static_first_failure, static_peak
-from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.rule import RULES, SAFETY, law, safe
+from sidmacib.rule.pairs import Pairs, bearing_pairs, pairs_of
 
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
 
@@ -25,8 +26,7 @@ def test_the_joint_carries_what_is_safe_and_fails_where_the_law_says(
     locks: int, eccentricity: float, body: UpperBody
 ) -> None:
     joint, direction = Joint(locks, upper_body=body), Direction(eccentricity)
-    assembly = assemble(joint, 0.02)
-    static = static_peak(assembly, lateral_load(joint, assembly, Loading(direction)))
+    static = static_peak(*posed(joint, Loading(direction), 0.02))
     assert safe(joint, direction).load < static.peak.load
     assert law(joint, direction).load == pytest.approx(static.first_failure_load, rel=0.05)
 
@@ -72,17 +72,14 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
         ({"elastic": Elastic(1e10), "locks": 17}, "locks of elastic blocks: 17"),
     ],
 )
-def test_what_lies_outside_the_study_is_refused(
-    rule: Any, others: dict[str, Any], words: str
-) -> None:
+def test_what_is_beyond_the_study_is_refused(rule: Any, others: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         rule(Joint(**({"locks": 5} | others)), Direction(0.0))
 
 
 def test_the_ends_of_the_spans_are_inside() -> None:
-    low = Joint(
-        2, a=0.025, h=0.003, H=0.015, dry=replace(DRY, normal_stiffness=5e6, shear_stiffness=5e7)
-    )
+    soft = replace(DRY, normal_stiffness=5e6, shear_stiffness=5e7)
+    low = Joint(2, a=0.025, h=0.003, H=0.015, dry=soft)
     assert law(low, Direction(0.0)).load > 0.0
 
 
@@ -109,8 +106,7 @@ def test_a_joint_that_nothing_but_pressure_holds_down_may_rock(eccentricity: flo
         Joint(3, H=0.08, hold_down=hold)
         for hold in (HoldDown.plate(), HoldDown.pressure(2e4), HoldDown.pressure(2e5))
     )
-    assembly = assemble(light, 0.02)
-    static = static_peak(assembly, lateral_load(light, assembly, Loading(direction)))
+    static = static_peak(*posed(light, Loading(direction), 0.02))
     assert law(light, direction).load == pytest.approx(static.first_failure_load, rel=0.05)
     assert law(light, direction).load < 0.95 * law(heavy, direction).load
     assert safe(light, direction).load < static.peak.load
@@ -177,9 +173,7 @@ PRESSED = Joint(
         (PRESSED, 1.12, Push.PLUS_Y, 61.475),
     ],
 )
-def test_friction_has_its_history(
-    joint: Joint, eccentricity: float, push: Push, first: float
-) -> None:
+def test_friction_has_history(joint: Joint, eccentricity: float, push: Push, first: float) -> None:
     """Without it the law was up to 43 % above the first failure, and safe above the peak."""
     direction = Direction(eccentricity)
     assert law(joint, direction, push).load == pytest.approx(first, rel=5e-3)
@@ -262,3 +256,69 @@ def test_the_safe_rule_of_thin_blocks_that_bend_covers_their_mesh() -> None:
     direction, push = Direction(-5.65), Push.MINUS_Y
     problem = posed(joint, Loading(direction, push=push), joint.least_side / 3)
     assert safe(joint, direction, push).load < static_first_failure(*problem).point.load
+
+
+LAGS = st.floats(1e-6, 1e3)
+COUNTS = st.integers(1, 40)
+
+
+def row_of_springs(count: int, lag: float, direct: float) -> float:
+    """Locks that work, from the equations of the row: pairs of stiffness 1, links of 1 / lag."""
+    matrix, load = np.eye(count), np.zeros(count)
+    for j in range(count - 1):
+        matrix[j : j + 2, j : j + 2] += np.array([[1, -1], [-1, 1]]) / lag
+    load[0] = 1.0 - direct
+    forces = np.linalg.solve(matrix, load)
+    forces[0] += direct
+    return float(1.0 / forces.max())
+
+
+@given(COUNTS, st.floats(1e-3, 1e3), st.floats(0.0, 1.0))
+def test_the_closed_form_solves_the_row_of_springs(count: int, lag: float, direct: float) -> None:
+    expected = row_of_springs(count, lag, direct)
+    assert Pairs(count, lag, direct).working == pytest.approx(expected, rel=1e-6)
+
+
+@given(COUNTS, LAGS, st.floats(0.0, 0.99))
+def test_more_pairs_never_carry_less_up_to_a_limit(count: int, lag: float, direct: float) -> None:
+    here, more = Pairs(count, lag, direct), Pairs(count + 1, lag, direct)
+    assert here.working <= more.working * (1 + 1e-12) <= here.most * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("lag", [1e-4, 1e-2, 0.1])
+def test_enough_pairs_give_the_share_that_was_asked_for(lag: float) -> None:
+    row = Pairs(1, lag)
+    count = round(row.enough(0.95))
+    assert Pairs(count, lag).working / row.most == pytest.approx(0.95, abs=0.02)
+
+
+def test_forces_fall_by_e_over_the_transfer_length() -> None:
+    row = Pairs(1, 0.3)
+    assert math.exp(-1.0 / row.transfer_length) == pytest.approx(math.exp(-row.decay))
+    assert 2.0 * math.cosh(row.decay) == pytest.approx(2.3)
+
+
+def test_one_rigid_piece_has_as_many_working_locks_as_pairs() -> None:
+    assert Pairs(7, 0.0).working == pytest.approx(7.0)
+    assert math.isinf(Pairs(7, 0.0).most)
+
+
+def test_the_published_samples_have_the_working_locks_of_the_chain() -> None:
+    """1.66 of two for five locks; the paper has W_sum rounded down, 2."""
+    assert pairs_of(Joint(3)).working == 1.0
+    assert pairs_of(Joint(5)).working == pytest.approx(1.658, abs=1e-3)
+    assert pairs_of(Joint(15)).working == pytest.approx(2.014, abs=1e-3)
+    assert pairs_of(Joint(15, upper_body=UpperBody.MONOLITHIC)).lag == 0.0
+
+
+@pytest.mark.parametrize(("locks", "there", "back"), [(2, 1, 0), (3, 1, 1), (6, 3, 2), (9, 4, 4)])
+def test_an_even_joint_has_one_pair_less_pushed_back(locks: int, there: int, back: int) -> None:
+    joint = Joint(locks)
+    assert [bearing_pairs(joint, push) for push in Push] == [there, back]
+    assert pairs_of(joint, Push.MINUS_Y).working <= back
+
+
+@pytest.mark.parametrize("values", [(-1, 1.0, 0.0), (1.5, 1.0, 0.0), (2, -1.0, 0.0), (2, 1.0, 1.1)])
+def test_what_is_no_row_is_refused(values: tuple[float, float, float]) -> None:
+    with pytest.raises(ValueError, match=r"count|lag|direct"):
+        Pairs(*values)  # type: ignore[arg-type]

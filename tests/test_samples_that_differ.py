@@ -5,6 +5,7 @@ import math
 import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
+from small import SMALL
 
 from analysis.figures import figures_of
 from analysis.published import comparisons, difference_text, read_published
@@ -12,6 +13,7 @@ from analysis.summary.summary import leading_models, summary
 from analysis.tables.capacity import sidmacib_rows
 from analysis.tables.collect import weights_table
 from sidmacib.models import detailed
+from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results.joint_part import JointRecord
@@ -26,28 +28,18 @@ PUBLISHED = read_published()
 @pytest.fixture
 def study() -> Study:
     fits = {"locks": 3, "dry": {"friction": 0.005236}, "models": ["static"]}
-    return read_study(
-        {
-            "samples": {"n3": {"locks": 3}, "n3_fits": fits},
-            "meshes": [0.02],
-            "eccentricities": [0, 0.5, "torsion"],
-            "models": ["static"],
-            "dem": {"engines": ["yade"]},
-        }
-    )
+    samples = {"n3": {"locks": 3}, "n3_fits": fits}
+    return read_study(SMALL | {"samples": samples, "dem": {"engines": ["yade"]}})
 
 
 @pytest.fixture
 def results(study: Study) -> list[JointRecord]:
     """Peaks that fall with the mesh and with the friction."""
-    return [
-        record_with(
-            case,
-            0.5,
-            240.0 * (1.0 + 5.0 * case.subject.mesh) - 10.0 * (case.subject.sample != "n3"),
-        )
-        for case in cases_of(study).values()
-    ]
+
+    def peak(case: JointCase) -> float:
+        return 240.0 * (1.0 + 5.0 * case.subject.mesh) - 10.0 * (case.subject.sample != "n3")
+
+    return [record_with(case, 0.5, peak(case)) for case in cases_of(study).values()]
 
 
 @pytest.fixture
@@ -56,17 +48,13 @@ def tables(study: Study, results: list[JointRecord]) -> dict[str, pd.DataFrame]:
 
 
 # --- what is compared with what ------------------------------------------------------------------
-def test_the_papers_numbers_belong_to_a_sample_of_any_friction_which_is_stated(
-    study: Study,
-) -> None:
+def test_the_papers_numbers_belong_to_samples_of_any_friction_as_stated(study: Study) -> None:
     assert PUBLISHED.samples(study) == {"n3": 3, "n3_fits": 3}
     assert PUBLISHED.as_printed(study, "n3")
     assert not PUBLISHED.as_printed(study, "n3_fits")
 
 
-def test_every_sample_is_fitted_to_the_models_that_run_on_it(
-    tables: dict[str, pd.DataFrame],
-) -> None:
+def test_each_sample_is_fitted_to_models_that_run_on_it(tables: dict[str, pd.DataFrame]) -> None:
     found = tables["fit"].groupby("sample")["model"].unique()
     assert {sample: set(models) for sample, models in found.items()} == {
         "n3": {"yade", "static"},
@@ -104,9 +92,7 @@ def test_validation_states_friction_and_mesh_error(tables: dict[str, pd.DataFram
 
 
 # --- beside each other ---------------------------------------------------------------------------
-def test_samples_with_the_same_locks_stand_beside_each_other(
-    tables: dict[str, pd.DataFrame],
-) -> None:
+def test_samples_of_the_same_locks_stand_side_by_side(tables: dict[str, pd.DataFrame]) -> None:
     (found,) = comparisons(tables["validation"], leading_models(tables["fit"]))
     assert found.samples == {
         "n3": "friction 0.3, as printed; yade",
@@ -114,19 +100,13 @@ def test_samples_with_the_same_locks_stand_beside_each_other(
     }
     (peak,) = (line for line in found.lines if line.quantity == "dem_pure_shear_N")
     assert (peak.mesh, peak.published) == ("0.02", 240.76)
-    assert {sample: row.computed for sample, row in peak.rows.items()} == {
-        "n3": 264.0,
-        "n3_fits": 254.0,
-    }
+    computed = {sample: row.computed for sample, row in peak.rows.items()}
+    assert computed == {"n3": 264.0, "n3_fits": 254.0}
     assert difference_text(peak.rows["n3"]) == "+9.65 %"
 
 
 # --- in words ------------------------------------------------------------------------------------
-
-
-def test_a_mesh_error_above_two_percent_is_named_with_what_helps(
-    tables: dict[str, pd.DataFrame],
-) -> None:
+def test_a_mesh_error_above_2_percent_is_named_with_help(tables: dict[str, pd.DataFrame]) -> None:
     text = summary("there", tables, [0.02])
     (line,) = (line for line in text.splitlines() if "static mesh 0.02 m:" in line)
     assert line == "  static mesh 0.02 m: 11.33 % (n3_fits-mesh0.02-e0a), ABOVE 2 %"

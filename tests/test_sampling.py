@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
+from small import SMALL
 
+from sidmacib import Direction, Joint, Sidmacib, capacity
 from sidmacib.contact_points import OPTIONS, active
-from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml
@@ -85,9 +85,8 @@ def test_elastic_pieces_and_softening_bonds_are_sampled_too() -> None:
     ],
 )
 def test_faults_in_a_sampling_are_named(section: dict[str, Any], words: str) -> None:
-    content = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": section}}
     with pytest.raises(ConfigError, match=words):
-        read_study(content)
+        read_study(SMALL | {"samplings": {"one": section}})
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +95,7 @@ def points(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     folder = tmp_path_factory.mktemp("sampling")
     section = SamplingSection(joints=16, seed=11, locks=(3, 9), pressed=0.0)
     arguments = {
-        **{"name": "made_up", "sampling": section.parameters(), "base": asdict(Joint(3))},
+        **{"name": "made_up", "sampling": asdict(section), "base": asdict(Joint(3))},
         **{"start": 0, "stop": 12, "eccentricities": RATIOS, "cells": (1, 2), "limited": 6},
     }
     batches = []
@@ -143,9 +142,8 @@ def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) 
 
 def test_more_freedom_never_fits_worse(points: pd.DataFrame) -> None:
     table = freedoms_table(points)
-    misfit = table.pivot_table(
-        index=["upper_body", "locks"], columns="freedom", values="mean_misfit"
-    )
+    rows = ["upper_body", "locks"]
+    misfit = table.pivot_table(index=rows, columns="freedom", values="mean_misfit")
     assert (misfit["own three points"] <= misfit["own pair"] + 1e-12).all()
     assert (misfit["own pair"] <= misfit["one pair for all"] + 1e-12).all()
     assert (misfit["own pair"] <= misfit["option4"] + 0.02).all()  # positions are a grid
@@ -165,9 +163,7 @@ def test_the_study_of_the_law_is_planned_in_batches(tmp_path: Path) -> None:
 
 @pytest.mark.study
 def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Path) -> None:
-    few = {"eccentricities": [0], "models": ["static"], "dem": {"engines": []}}
-    config = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": {"joints": 65}}, **few}
-    made = outputs_of(config, tmp_path)
+    made = outputs_of(SMALL | {"samplings": {"one": {"joints": 65}}}, tmp_path)
     assert made["sampling"] == ["sampling/one-0000.parquet", "sampling/one-0001.parquet"]
     assert made["samplings"] == ["tables/samplings.csv"]
     assert not {"law_tables", "points", "law"} & made.keys()
@@ -175,7 +171,7 @@ def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Pa
 
 def test_a_campaign_that_there_is_not_is_refused() -> None:
     with pytest.raises(ConfigError, match="campaign: 'keys' is not allowed; it must be"):
-        read_study({"samples": {"n3": {"locks": 3}}, "campaign": "keys"})
+        read_study(SMALL | {"campaign": "keys"})
 
 
 def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:

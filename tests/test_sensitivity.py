@@ -1,18 +1,15 @@
 """Effects on a joint's first failure: against the joint with 1 % more or less, and by scaling."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
-from sidmacib.errors import CapacityError
+from sidmacib import CapacityError, Effect, Elastic, Sensitivity, sensitivity, static_first_failure
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
-from sidmacib.joint.effects import Effect, Sensitivity, sensitivity
 from sidmacib.joint.loading import Loading, Push, posed
+from sidmacib.joint.parameters import PARAMETERS, with_parameters
 from sidmacib.joint.pieces import assemble, reassemble
-from sidmacib.mechanics.assembly import Elastic
-from sidmacib.mechanics.static import static_first_failure
 from sidmacib.rule import law
 
 SMOOTH = replace(DRY, friction=0.0)
@@ -25,31 +22,18 @@ ODD = {  # stiffnesses and sizes of which no two are the same
     "inner": replace(INNER, normal_stiffness=7e9, shear_stiffness=1.3e10),
     "dry": replace(DRY, normal_stiffness=1.2e10, shear_stiffness=8e9),
 }
+IN_ONE_PIECE = {"upper_body": UpperBody.MONOLITHIC, "hold_down": HoldDown.force(150.0)}
+HEAVY = {"density": 4e4, "hold_down": HoldDown.weight(), "first": Side.LOWER}
+ROUGH_BOND = replace(INNER, bond_friction=0.4, shear_stiffness=6e9)
+OTHER = OwnLock(width=0.06, density=900.0)
 JOINTS = {
     "as published": (Joint(3), Direction(0.3)),
     "rough": (Joint(4, **ODD), Direction(0.2)),
-    "smooth, in one piece": (
-        Joint(
-            7,
-            **ODD | {"dry": SMOOTH},
-            upper_body=UpperBody.MONOLITHIC,
-            hold_down=HoldDown.force(150.0),
-        ),
-        Direction(1.65),
-    ),
+    "smooth, in one piece": (Joint(7, **ODD | {"dry": SMOOTH} | IN_ONE_PIECE), Direction(1.65)),
     "pressed": (Joint(5, **ODD, hold_down=HoldDown.pressure(4e4)), Direction(0.5)),
-    "heavy": (
-        Joint(3, **ODD, density=4e4, hold_down=HoldDown.weight(), first=Side.LOWER),
-        Direction(0.2),
-    ),
-    "rough bonds": (
-        Joint(4, **ODD | {"inner": replace(INNER, bond_friction=0.4, shear_stiffness=6e9)}),
-        Direction(0.3),
-    ),
-    "other locks": (
-        Joint(3, **ODD, different={2: OwnLock(width=0.06, density=900.0)}),
-        Direction(0.3),
-    ),
+    "heavy": (Joint(3, **ODD, **HEAVY), Direction(0.2)),
+    "rough bonds": (Joint(4, **ODD | {"inner": ROUGH_BOND}), Direction(0.3)),
+    "other locks": (Joint(3, **ODD, different={2: OTHER}), Direction(0.3)),
 }
 CASES = pytest.mark.parametrize("name", JOINTS)
 
@@ -73,17 +57,6 @@ def effect_of(found: Sensitivity, name: str) -> Effect:
 # --- what the columns say ------------------------------------------------------------------------
 MESH = 0.0131  # m: no size of the joints below changes its number of cells by 1 %
 TORSION = Direction(math.inf)
-CHANGED: dict[str, Callable[[Joint, float], Joint]] = {
-    "a": lambda joint, part: replace(joint, a=part * joint.a),
-    "b": lambda joint, part: replace(joint, b=part * joint.b),
-    "h": lambda joint, part: replace(joint, h=part * joint.h),
-    "cohesion": lambda joint, part: replace(
-        joint, inner=replace(joint.inner, cohesion=part * joint.inner.cohesion)
-    ),
-    "friction": lambda joint, part: replace(
-        joint, dry=replace(joint.dry, friction=part * joint.dry.friction)
-    ),
-}
 ONE_PIECE = Joint(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.pressure(2e4))
 
 
@@ -93,7 +66,7 @@ def carried(joint: Joint, direction: Direction) -> float:
     return load * (direction.torque * joint.a if direction is TORSION else direction.shear)
 
 
-@pytest.mark.parametrize("name", CHANGED)
+@pytest.mark.parametrize("name", ["a", "b", "h", "cohesion", "friction"])
 @pytest.mark.parametrize("direction", [Direction(0.3), TORSION], ids=["eccentric", "torsion"])
 @pytest.mark.parametrize("joint", [Joint(5), ONE_PIECE], ids=["columns", "one piece"])
 def test_effects_are_those_of_the_joint_with_1_per_cent_more_or_less(
@@ -102,7 +75,8 @@ def test_effects_are_those_of_the_joint_with_1_per_cent_more_or_less(
     effect = effect_of(sensitivity(joint, Loading(direction), MESH), name)
     base = carried(joint, direction)
     for part, mine in ((1.01, effect.more), (0.99, effect.less)):
-        theirs = 100.0 * (carried(CHANGED[name](joint, part), direction) / base - 1.0)
+        changed = with_parameters(joint, {name: part * PARAMETERS[name].of(joint)})
+        theirs = 100.0 * (carried(changed, direction) / base - 1.0)
         assert mine == pytest.approx(theirs, abs=2e-3)
 
 
@@ -112,10 +86,8 @@ def test_where_another_node_fails_first_within_1_per_cent_there_is_no_derivative
     height = effect_of(found, "h")
     assert height.less == pytest.approx(0.212, abs=2e-3)
     assert height.more == pytest.approx(-0.759, abs=2e-3)
-    assert (height.derivative, height.note) == (
-        None,
-        "slopes for +1 % and -1 % differ; no derivative",
-    )
+    note = "slopes for +1 % and -1 % differ; no derivative"
+    assert (height.derivative, height.note) == (None, note)
 
 
 def test_the_derivative_is_of_v() -> None:
@@ -139,18 +111,10 @@ def test_in_torsion_effects_are_of_the_torque() -> None:
 
 # --- by scaling, to second order -----------------------------------------------------------------
 STRENGTHS = ("cohesion", "tensile_strength")
-STIFFNESSES = (
-    "normal_stiffness",
-    "shear_stiffness",
-    "dry_normal_stiffness",
-    "dry_shear_stiffness",
-)
+STIFFNESSES = [f"{face}{way}_stiffness" for face in ("", "dry_") for way in ("normal", "shear")]
 SECOND_ORDER = 0.02  # per cent
-
-
-SCALED = pytest.mark.parametrize(
-    "name", [name for name in JOINTS if name != "other locks"]
-)  # which stay as they are
+# Other locks stay as they are.
+SCALED = pytest.mark.parametrize("name", [name for name in JOINTS if name != "other locks"])
 
 
 @SCALED

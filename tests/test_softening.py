@@ -8,15 +8,13 @@ import pytest
 from conftest import block_on_ground, load_on_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import loaded
 
-from sidmacib.joint import INNER, Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib import limit_load, static_peak
+from sidmacib.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.softening import Softening
 
 STORED = INNER.cohesion**2 / (2 * INNER.shear_stiffness)  # J/m2, elastically, at failure
@@ -27,8 +25,7 @@ def fading(energy: float, residual: float = 0.0) -> FaceMaterial:
 
 
 def peak(joint: Joint, eccentricity: float, mesh: float = 0.03) -> StaticSolution:
-    model = assemble(joint, mesh, NodeLayout.VERTICES)
-    return static_peak(model, lateral_load(joint, model, Loading(Direction(eccentricity))))
+    return static_peak(*loaded(joint, eccentricity, mesh, NodeLayout.VERTICES))
 
 
 def softening(locks: int, energy: float, residual: float = 0.0) -> Joint:
@@ -45,11 +42,8 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
 @given(st.floats(0.5, 200.0), st.floats(0.0, 1.0))
 def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: float) -> None:
     model = one_lock(fading(energy, residual), Failure.SOFTENING, 0.03)
-    contact_law, fade, state = (
-        ContactLaw.of(model),
-        Softening.of(model),
-        NodeState.initial(ContactLaw.of(model)),
-    )
+    contact_law, fade = ContactLaw.of(model), Softening.of(model)
+    state = NodeState.initial(contact_law)
     last = 2 * energy / INNER.cohesion
     rise = 2.0 * INNER.cohesion / INNER.shear_stiffness
     moves = np.union1d(np.linspace(0.0, rise, 40), np.linspace(0.0, 1.2 * last, 200))
@@ -58,9 +52,8 @@ def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: floa
         force = np.zeros((len(contact_law.friction), 3))
         force[:, 1] = state.whole * contact_law.shear_stiffness * moved
         state = replace(state, whole=fade.left(contact_law, state, force))
-        stress.append(
-            float(state.whole[0] * contact_law.shear_stiffness[0] * moved / model.nodes.area[0])
-        )
+        stiffness = state.whole[0] * contact_law.shear_stiffness[0]
+        stress.append(float(stiffness * moved / model.nodes.area[0]))
     kept = residual * INNER.cohesion
     # Two triangles less what the residual strength cuts off, and a rectangle beyond.
     fallen = last * (1 - residual) + residual * INNER.cohesion / INNER.shear_stiffness
@@ -98,9 +91,8 @@ def test_what_is_left_never_grows() -> None:
     model = one_lock(fading(10.0), Failure.SOFTENING, 0.03)
     contact_law, fade = ContactLaw.of(model), Softening.of(model)
     state = replace(NodeState.initial(contact_law), whole=np.full(len(contact_law.friction), 0.3))
-    assert fade.left(contact_law, state, np.zeros((len(contact_law.friction), 3))) == pytest.approx(
-        0.3
-    )
+    none = np.zeros((len(contact_law.friction), 3))
+    assert fade.left(contact_law, state, none) == pytest.approx(0.3)
 
 
 # --- between the ends ----------------------------------------------------------------------------
@@ -120,16 +112,11 @@ def test_a_residual_part_of_one_is_ductile(eccentricity: float) -> None:
 
 
 @pytest.mark.parametrize(("eccentricity", "locks"), [(0.0, 5), (0.5, 3)])
-def test_more_energy_and_more_residual_strength_never_carry_less(
-    eccentricity: float, locks: int
-) -> None:
-    by_energy = [
-        peak(softening(locks, energy), eccentricity).peak.load for energy in (0.0, 1.0, 10.0, 100.0)
-    ]
-    by_residual = [
-        peak(softening(locks, 0.0, part), eccentricity).peak.load for part in (0.0, 0.4, 0.8, 1.0)
-    ]
-    for loads in (by_energy, by_residual):
+def test_more_energy_or_residual_strength_never_carry_less(eccentricity: float, locks: int) -> None:
+    by_energy = [softening(locks, energy) for energy in (0.0, 1.0, 10.0, 100.0)]
+    by_residual = [softening(locks, 0.0, part) for part in (0.0, 0.4, 0.8, 1.0)]
+    for joints in (by_energy, by_residual):
+        loads = [peak(joint, eccentricity).peak.load for joint in joints]
         assert np.all(np.diff(loads) >= -1e-3 * loads[0])
         assert loads[-1] > 1.15 * loads[0]
 

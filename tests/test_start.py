@@ -1,13 +1,20 @@
-"""Before anything runs: ^C while programs load, the locale, and a faulty configuration."""
+"""Before anything runs: the environment, ^C, the locale, faults, full disks, missing locks."""
 
+import errno
+import fcntl
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from conftest import INSTALLED, ROOT
+from conftest import INSTALLED
+from processes import ROOT, python, ran
+
+from workflow import command as workflow_command
+from workflow.configuration import CallError
 
 SMALL = (
     "samples: {n3: {locks: 3}}\nmeshes: [0.02]\neccentricities: [0]\nmodels: [static]\n"
@@ -30,21 +37,9 @@ builtins.__import__ = slow
 PROGRAM = "from sidmacib.command import run; run()"
 
 
-def started(*command: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, *command],
-        cwd=ROOT,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-
-
 @pytest.mark.parametrize("late", ["click", "numpy"])
 def test_an_interrupt_while_a_program_loads_is_reported_in_one_line(late: str) -> None:
-    found = started("-c", INTERRUPTED + PROGRAM, late)
+    found = python("-c", INTERRUPTED + PROGRAM, late)
     assert found.returncode == 1
     assert found.stderr == "Aborted!\n"
 
@@ -54,27 +49,17 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
     config = tmp_path / "study.yaml"
     config.write_text(SMALL + "# \u00b5\n", encoding="utf-8")
     words = (f"CONFIG={config}", f"RESULTS={tmp_path / 'results'}", "CASE=n3-mesh0.02-e0a")
-    posix = {"LC_ALL": "POSIX", "PYTHONCOERCECLOCALE": "0"}
-    found = subprocess.run(
-        [*INSTALLED, "case", *words],
-        cwd=ROOT,
-        env={name: text for name, text in os.environ.items() if name != "PYTHONUTF8"} | posix,
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
+    posix = {"LC_ALL": "POSIX", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": ""}
+    found = ran(*INSTALLED, "case", *words, **posix)
     assert found.returncode == 0, found.stderr
     assert "V = 24" in found.stdout
 
 
 def test_make_installs_nothing_for_a_study_that_is_not_there() -> None:
-    command = ["make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml"]
-    printed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    command = ("make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml")
+    printed = ran(*command, check=True).stdout
     first, *_ = [line for line in printed.splitlines() if re.search("not a file|environment", line)]
-    early = subprocess.run(
-        ["sh", "-c", first], env={"CONFIG": "my.yaml"}, check=False, capture_output=True, text=True
-    )
+    early = ran("sh", "-c", first, CONFIG="my.yaml")
     assert (early.returncode, early.stderr) == (1, "my.yaml: not a file\n")
 
 
@@ -82,7 +67,138 @@ def test_a_fault_that_only_the_cases_show_names_the_file(tmp_path: Path) -> None
     path = tmp_path / "study.yaml"
     path.write_text(SMALL + "overrides: {n3-mesh0.02-torsion: {ramp_periods: 50}}\n")
     asked = ["case", str(path), "--case", "n3-mesh0.02-e0a"]
-    assert started("-m", "analysis", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
+    assert python("-m", "analysis", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
     path.write_text(SMALL)
     asked[-1] = "n4"
-    assert started("-m", "analysis", *asked).stderr.startswith("CASE: 'n4' is not a case")
+    assert python("-m", "analysis", *asked).stderr.startswith("CASE: 'n4' is not a case")
+
+
+PYTHON = '#!/bin/sh\nmkdir -p .venv/bin && cp pip .venv/bin/pip && echo "$@" >> calls\n'
+PIP = """#!/bin/sh
+echo "$@" >> calls
+case "$*" in *installer.txt) [ ! -f uv ] || cp uv .venv/bin/uv;; esac
+{fails}
+"""
+UV = '#!/bin/sh\necho uv "$@" >> calls\nexit {status}\n'
+
+
+def made(
+    folder: Path, fails: str, python: str = "python3", **more: str
+) -> subprocess.CompletedProcess[str]:
+    """The script, run with programs that only log their arguments, and ``more`` programs."""
+    (folder / "workflow").mkdir()
+    shutil.copy(ROOT / "workflow/install.sh", folder / "workflow")
+    for path, text in ((f"bin/{python}", PYTHON), ("pip", PIP.format(fails=fails)), *more.items()):
+        (folder / path).parent.mkdir(exist_ok=True)
+        (folder / path).write_text(text)
+        (folder / path).chmod(0o755)
+    path = f"{folder / 'bin'}:{os.environ['PATH']}"
+    return ran("sh", ROOT / "workflow/environment.sh", cwd=folder, PATH=path, PYTHON=python)
+
+
+@pytest.mark.parametrize(
+    "fails", ["exit 1", "kill -TERM $PPID; exit 1", 'case "$*" in *-ed*) exit 1; esac']
+)
+def test_an_environment_that_cannot_be_made_leaves_the_one_that_is_there(
+    tmp_path: Path, fails: str
+) -> None:
+    (tmp_path / ".venv").mkdir()
+    (tmp_path / ".venv/mine").write_text("mine")
+    found = made(tmp_path, fails)
+    assert found.returncode != 0
+    assert found.stderr.endswith("The environment .venv could not be made; it is as it was.\n")
+    assert [path.name for path in (tmp_path / ".venv").iterdir()] == ["mine"]
+    assert not (tmp_path / ".venv.old").exists()
+
+
+def test_a_new_environment_takes_the_place_of_the_old_one(tmp_path: Path) -> None:
+    (tmp_path / ".venv").mkdir()
+    (tmp_path / ".venv/mine").write_text("mine")
+    assert made(tmp_path, "").returncode == 0
+    assert {path.name for path in (tmp_path / ".venv").iterdir()} == {"bin", "study.ready"}
+    assert not (tmp_path / ".venv.old").exists()
+    calls = (tmp_path / "calls").read_text().splitlines()
+    assert calls[-1] == "install --quiet --no-deps --no-build-isolation --editable ."
+
+
+@pytest.mark.parametrize(("status", "pip_too"), [(0, False), (1, True)])
+def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
+    tmp_path: Path, status: int, pip_too: bool
+) -> None:
+    assert made(tmp_path, "", uv=UV.format(status=status)).returncode == 0
+    calls = (tmp_path / "calls").read_text().splitlines()
+    (by_uv,) = (line for line in calls if line.startswith("uv "))
+    assert "--require-hashes --requirement requirements.txt" in by_uv
+    by_pip = "install --quiet --require-hashes --requirement requirements.txt"
+    assert (by_pip in calls) == pip_too
+
+
+def test_a_python_that_is_not_there_is_named() -> None:
+    found = ran("sh", ROOT / "workflow/system.sh", PYTHON="no-such-python")
+    assert found.returncode == 1
+    assert found.stderr == "PYTHON=no-such-python: there is no such program\n"
+
+
+FULL = Path("/dev/full")
+
+
+def command(*words: str, **streams: int) -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own."""
+    whole = [sys.executable, "-c", PROGRAM, *words]
+    streams["stderr"] = subprocess.PIPE
+    return subprocess.run(whole, check=False, text=True, cwd=ROOT, **streams)
+
+
+@pytest.mark.parametrize("form", ["table", "csv"])
+def test_output_that_finds_no_room_ends_with_one_line(form: str) -> None:
+    with FULL.open("w") as full:
+        found = command("law", "-n", "3", "--format", form, stdout=full.fileno())
+    assert (found.returncode, found.stderr) == (1, "Error: No space left on device\n")
+
+
+@pytest.mark.parametrize("option", ["--picture", "--note"])
+def test_a_file_that_finds_no_room_is_named_in_one_line(option: str, tmp_path: Path) -> None:
+    path = tmp_path / "drawn.svg"
+    path.symlink_to(FULL)
+    words = ("capacity", "-n", "3", "-m", "law", option, str(path))
+    found = command(*words, stdout=subprocess.DEVNULL)
+    assert found.returncode == 2
+    assert found.stderr.splitlines()[-1] == f"Error: {option} {path}: No space left on device"
+
+
+def refusing(number: int) -> object:
+    """A lock of files on a file system that has none."""
+
+    def flock(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    return flock
+
+
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_without_locks_a_study_goes_on_and_says_so(
+    number: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(fcntl, "flock", refusing(number))
+    with workflow_command.lock(tmp_path / "results") as stream:
+        assert not stream.closed
+    said = capsys.readouterr().err
+    assert said.startswith(f"{tmp_path / 'results'}: its file system has no locks")
+    assert said.count("\n") == 1
+
+
+def test_a_lock_that_fails_otherwise_is_an_error_of_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fcntl, "flock", refusing(errno.EIO))
+    with pytest.raises(CallError, match="cannot be written to: input/output error"):
+        workflow_command.lock(tmp_path / "results")
+
+
+def test_a_lock_that_finds_no_room_is_an_error_of_one_line(tmp_path: Path) -> None:
+    (tmp_path / workflow_command.LOCK).symlink_to(FULL)
+    with pytest.raises(CallError, match="cannot be written to: "):
+        workflow_command.lock(tmp_path)

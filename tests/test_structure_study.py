@@ -9,18 +9,15 @@ import pandas as pd
 import pytest
 import yaml
 from conftest import ROOT
+from structures import solved
 
 from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import structures_table, write_supports
-from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
-from workflow import engine, solve
 from workflow.case import StructureCase
 from workflow.cases import structure_cases, support_cases
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.jobs import case_jobs
-from workflow.results import read_records
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, SUPPORTS, read_table
 from workflow.schema import with_changes
 
@@ -28,12 +25,8 @@ TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
 
 def study_of(**keys: Any) -> dict[str, Any]:
-    section = {"description": TRILITH, **keys}
-    return {
-        "structures": {"trilith": section},
-        "models": ["static", "limit"],
-        "dem": {"engines": []},
-    }
+    structures = {"trilith": {"description": TRILITH, **keys}}
+    return {"structures": structures, "models": ["static", "limit"], "dem": {"engines": []}}
 
 
 def test_a_study_may_have_structures_and_no_joint() -> None:
@@ -44,22 +37,8 @@ def test_a_study_may_have_structures_and_no_joint() -> None:
 
 
 def made(folder: Path, **config: Any) -> pd.DataFrame:
-    """The table of structures of a study, whose steps are called one by one."""
-    jobs, records = case_jobs(read_study(config)), []
-    for job, case in jobs.engines.items():
-        (folder / job).mkdir(parents=True)
-        outputs = {name: folder / job / f"{name}.json" for name in ("record", "result")}
-        arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
-        engine.run(arguments, {}, outputs)
-        records.append(outputs["record"])
-    for job, cases in jobs.batches.items():
-        (folder / job).mkdir(parents=True)
-        outputs = {name: folder / job / name for name in ("records", "nodes", "history")}
-        module = MODELS[cases[0].model].structures
-        arguments = {"module": module, "cases": [case.to_json() for case in cases]}
-        solve.run(arguments, {}, outputs)
-        records.append(outputs["records"])
-    return structures_table(read_records(records))
+    """The table of structures of a study."""
+    return structures_table(solved(folder, **config))
 
 
 def test_loads_and_variants_multiply_and_change_the_description() -> None:
@@ -122,13 +101,10 @@ SUPPORTS_MOVE = {
 }
 
 
-def of_supports(**keys: Any) -> dict[str, Any]:
-    section = {"description": SETTLING, "loads": SUPPORTS_MOVE, **keys}
-    return {**study_of(), "structures": {"beams": section}}
-
-
 def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) -> None:
-    study = read_study(of_supports(variants={"bonded": {"interfaces": {"cohesion": 1e5}}}))
+    bonded = {"variants": {"bonded": {"interfaces": {"cohesion": 1e5}}}}
+    beams = {"description": SETTLING, "loads": SUPPORTS_MOVE, **bonded}
+    study = read_study({**study_of(), "structures": {"beams": beams}})
     assert {case.subject.load for case in structure_cases(study)} == {"push"}
     cases = [
         [each.structure, each.load, each.description, variant, yade]
@@ -151,47 +127,34 @@ def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) 
     assert "No result: finite displacements" in last["text"]
 
 
-FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
+LODE = {**TRILITH, "lode": 1}
+FLOATS = with_changes(TRILITH, {"blocks": {"free": {"low": [0, 0, 9], "high": [1, 1, 10]}}})
+BAD = {"thin": {"interfaces": {"friction": -1}}}
+LIFT = {"up": {"lift": 1}}
+ALL_MOVE = {"falls": {"support": {"block": "ground", "rotation": [1, 0, 0]}}}
+NOBODY = {**PUSHED, "falls": {"support": {"block": "nobody", "rotation": [1, 0, 0]}}}
 
 
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        (
-            {"loads": {"falls": {"support": {"block": "ground", "rotation": [1, 0, 0]}}}},
-            r"structures\.trilith\.loads: all are supports that move; one that is not, such as ",
-        ),
-        (
-            {"loads": {**PUSHED, "falls": {"support": {"block": "nobody", "rotation": [1, 0, 0]}}}},
-            r"structures\.trilith\.loads\.falls: load\.support\.block: 'nobody' is not allowed",
-        ),
-        ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; allowed keys: file, "),
-        ({"file": 1}, r"trilith\.file: 1 is not allowed; it must be a text"),
-        ({"description": []}, r"trilith\.description: .* must be a mapping of keys"),
-        (
-            {"description": {**TRILITH, "lode": 1}},
-            r"trilith\.description: lode: unknown key; allowed keys: blocks, load",
-        ),
-        (
-            {"description": with_changes(TRILITH, {"blocks": {"free": FREE}})},
-            r"trilith\.description: free: touches no other block",
-        ),
-        (
-            {"variants": {"thin": {"interfaces": {"friction": -1}}}},
-            r"trilith\.variants\.thin: interfaces\.friction: -1 is not allowed; it must be",
-        ),
-        (
-            {"loads": {"up": {"lift": 1}}},
-            r"trilith\.loads\.up: load.lift: unknown key; allowed keys: acceleration, force",
-        ),
-        ({"loads": {"up": 1}}, r"trilith\.loads\.up: 1 is not allowed; it must be a mapping"),
-        ({"models": ["law"]}, r"trilith\.models: 'law' is not allowed; it must be yade or "),
-        ({"models": ["static", "static"]}, r"trilith\.models: static appears twice"),
-        ({"variants": {"reference": {}}}, r"trilith\.variants: the name reference is reserved"),
+        ({"loads": ALL_MOVE}, r"loads: all are supports that move; one that is not, such as "),
+        ({"loads": NOBODY}, r"loads\.falls: load\.support\.block: 'nobody' is not allowed"),
+        ({"blocks": 1}, r"blocks: unknown key; allowed keys: file, "),
+        ({"file": 1}, r"file: 1 is not allowed; it must be a text"),
+        ({"description": []}, r"description: .* must be a mapping of keys"),
+        ({"description": LODE}, r"description: lode: unknown key; allowed keys: blocks, load"),
+        ({"description": FLOATS}, r"description: free: touches no other block"),
+        ({"variants": BAD}, r"variants\.thin: interfaces\.friction: -1 is not allowed; it must be"),
+        ({"loads": LIFT}, r"loads\.up: load.lift: unknown key; allowed keys: acceleration, force"),
+        ({"loads": {"up": 1}}, r"loads\.up: 1 is not allowed; it must be a mapping"),
+        ({"models": ["law"]}, r"models: 'law' is not allowed; it must be yade or "),
+        ({"models": ["static", "static"]}, r"models: static appears twice"),
+        ({"variants": {"reference": {}}}, r"variants: the name reference is reserved"),
     ],
 )
 def test_a_fault_is_reported_in_one_line_with_its_key(keys: dict[str, Any], words: str) -> None:
-    with pytest.raises(ConfigError, match=words) as error:
+    with pytest.raises(ConfigError, match=rf"^structures\.trilith\.{words}") as error:
         read_study(study_of(**keys))
     assert len(str(error.value).splitlines()) == 1
 
@@ -202,13 +165,13 @@ def test_a_structure_without_a_description_is_refused() -> None:
 
 
 @pytest.fixture(scope="module")
-def results(structures_study: Path) -> Path:
-    return structures_study
+def table(structures_study: Path) -> pd.DataFrame:
+    rows = read_table(STRUCTURES, structures_study / "tables/structures.csv")
+    return rows.set_index(["case", "model"])
 
 
 @pytest.mark.study
-def test_the_table_has_each_load_beside_the_weight(results: Path) -> None:
-    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+def test_the_table_has_each_load_beside_the_weight(table: pd.DataFrame) -> None:
     # As `multilock assembly studies/structures/trilith.yaml` and docs/howto/structure.md say.
     static, limit = table.loc[("trilith-load", "static")], table.loc[("trilith-load", "limit")]
     assert static["load_over_weight"] == pytest.approx(0.25, abs=1e-4)
@@ -240,23 +203,22 @@ def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Pa
 
 
 @pytest.mark.study
-def test_a_model_that_cannot_do_condensed_locks_says_so_and_the_study_is_complete(
-    results: Path,
+def test_a_model_that_cannot_do_condensed_locks_says_so_in_a_whole_study(
+    structures_study: Path,
 ) -> None:
-    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
     refused = table.loc[("keyed-load", "static"), "refused"]
-    assert (
-        refused == "static: base-block has condensed locks, which have no stiffness; cut them out"
-    )
+    words = "base-block has condensed locks, which have no stiffness; cut them out"
+    assert refused == f"static: {words}"
     assert table.loc[("keyed-load", "limit"), "load_N"] > 0.0
-    assert (results / ".structures_complete").read_text() == f"{len(table)} cases\n"
-    assert f"not supported: {refused}" in (results / "structures.txt").read_text()
+    assert (structures_study / ".structures_complete").read_text() == f"{len(table)} cases\n"
+    assert f"not supported: {refused}" in (structures_study / "structures.txt").read_text()
 
 
 @pytest.mark.study
-def test_interfaces_carry_the_weight_and_the_load(results: Path) -> None:
-    rows = read_table(INTERFACES, results / "tables/interfaces.csv")
-    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+def test_interfaces_carry_the_weight_and_the_load(
+    structures_study: Path, table: pd.DataFrame
+) -> None:
+    rows = read_table(INTERFACES, structures_study / "tables/interfaces.csv")
     whole = table.loc[("trilith-load-dry", "static")]
     interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
     feet = interfaces[interfaces["interface"].isin(["ground-left", "ground-right"])]
@@ -268,8 +230,8 @@ def test_interfaces_carry_the_weight_and_the_load(results: Path) -> None:
 
 
 @pytest.mark.study
-def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) -> None:
-    rows = read_table(BLOCKS, results / "tables/blocks.csv")
+def test_blocks_have_weights_that_add_up_and_move_along_the_load(structures_study: Path) -> None:
+    rows = read_table(BLOCKS, structures_study / "tables/blocks.csv")
     blocks = rows[(rows["case"] == "trilith-load") & (rows["model"] == "limit")].set_index("block")
     free = blocks[~blocks["fixed"]]
     assert (blocks.loc["ground", ["move_x_m", "turn_y"]] == 0.0).all()
@@ -279,11 +241,11 @@ def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) 
 
 
 @pytest.mark.study
-def test_paraview_files_have_the_shape_and_the_motion(results: Path) -> None:
-    mesh = meshio.read(results / "structures/vtk/trilith-load-static-blocks.vtu")
+def test_paraview_files_have_the_shape_and_the_motion(structures_study: Path) -> None:
+    mesh = meshio.read(structures_study / "structures/vtk/trilith-load-static-blocks.vtu")
     assert np.ptp(mesh.points, axis=0) == pytest.approx([4.0, 0.5, 3.0])
     assert np.abs(mesh.point_data["displacement_m"]).max() > 0.0
-    faces = meshio.read(results / "structures/vtk/trilith-load-static-interfaces.vtu")
+    faces = meshio.read(structures_study / "structures/vtk/trilith-load-static-interfaces.vtu")
     assert sum(len(cells.data) for cells in faces.cells) == 4
 
 

@@ -287,7 +287,12 @@ def test_blocks_move_apart_and_as_the_mechanism_does(opened: Opened) -> None:
     assert min(page.evaluate(read)) > min(at_rest)
     page.keyboard.press("Home")
     page.select_option("#structure-model", "limit")
+    page.click("#structure-play")
+    until(page, "Number(document.getElementById('structure-motion').value) > 0")
+    assert page.text_content("#structure-play") == "Stop"
     page.focus("#structure-motion")
-    page.keyboard.press("End")
+    page.keyboard.press("End")  # which stops it
+    assert page.text_content("#structure-play") == "Play"
+    assert page.input_value("#structure-motion") == "100"
     assert "(mechanism)" in (page.text_content("#structure-factor") or "")
     assert opened.errors == []

@@ -4,7 +4,7 @@ import math
 
 import pytest
 import yaml
-from structures import dry
+from structures import BLOCK, GROUND, LEANING, degrees, dry, on_ground
 
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
@@ -14,36 +14,21 @@ from studies.structures.compare import PUBLISHED, TYPES
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.rbe import pyramid_tilt
 from studies.structures.samples import AXES
-from studies.structures.shapes import answers
+from studies.structures.shapes import answers, pushed_walls
 
-GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
-BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
 Y = Tilt((0.0, 1.0, 0.0))
-
-
-def degrees(slope: float) -> float:
-    return math.degrees(math.atan(slope))
 
 
 def notch(width: float, height: float) -> list[Block]:
     """A long block in a notch between two flanks, as type c: it turns over before it slides."""
     low, high = 0.5, 0.5 + width / math.sqrt(3.0)
-    flanks = [
-        prism(
-            name,
-            [
-                *((0.0, 0.0, 0.0), (side * 2.0, 0.0, 0.0), (side * 2.0, 0.0, high)),
-                *((side * width, 0.0, high), (0.0, 0.0, low)),
-            ],
-            (0.0, 1.0, 0.0),
-            2e3,
-            fixed=True,
-        )
-        for name, side in (("left", -1.0), ("right", 1.0))
-    ]
-    outline = [(0.0, 0.0, low), (width, 0.0, high), (width, 0.0, height), (-width, 0.0, height)]
-    key = prism("key", [*outline, (-width, 0.0, high)], (0.0, 1.0, 0.0), 2e3)
-    return [*flanks, key]
+    blocks = []
+    for name, side in (("left", -1.0), ("right", 1.0)):
+        top = [(side * 2.0, 0, high), (side * width, 0, high), (0, 0, low)]
+        outline = [(0, 0, 0), (side * 2.0, 0, 0), *top]
+        blocks.append(prism(name, outline, (0.0, 1.0, 0.0), 2e3, fixed=True))
+    outline = [(0, 0, low), (width, 0, high), (width, 0, height), (-width, 0, height)]
+    return [*blocks, prism("key", [*outline, (-width, 0, high)], (0.0, 1.0, 0.0), 2e3)]
 
 
 @pytest.mark.parametrize("finite", [False, True])
@@ -51,7 +36,7 @@ def notch(width: float, height: float) -> list[Block]:
 def test_a_block_on_a_slope_rests_up_to_its_angle_of_sliding_or_overturning(
     friction: float, expected: float, finite: bool
 ) -> None:
-    found = relaxed_tilt(structure([GROUND, BLOCK], dry(friction)), Y, finite=finite)
+    found = relaxed_tilt(on_ground(friction), Y, finite=finite)
     assert found == pytest.approx(expected, abs=0.3)
 
 
@@ -73,7 +58,7 @@ def test_relaxation_is_for_one_free_block() -> None:
 
 
 def test_a_pyramid_around_the_cone_holds_at_most_8_percent_more() -> None:
-    model = structure([GROUND, BLOCK], dry(0.2))
+    model = on_ground(0.2)
     assert pyramid_tilt(model, Y) == pytest.approx(degrees(0.2), rel=1e-6)
     turn = math.radians(22.5)
     between = pyramid_tilt(model, Tilt((math.cos(turn), math.sin(turn), 0.0)))
@@ -83,13 +68,7 @@ def test_a_pyramid_around_the_cone_holds_at_most_8_percent_more() -> None:
 def test_a_pyramid_sees_what_stands_upside_down_and_what_falls() -> None:
     wedged = structure(notch(1.0, 2.3), dry(3.0))
     assert limit_tilt(wedged, Y).angle == pyramid_tilt(wedged, Y)
-    leaning = prism(
-        "leaning",
-        [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (1.4, 0.0, 1.0), (1.0, 0.0, 1.0)],
-        (0.0, 0.6, 0.0),
-        2e3,
-    )
-    assert pyramid_tilt(structure([GROUND, leaning], dry(0.7)), Y) is None
+    assert pyramid_tilt(structure([GROUND, LEANING], dry(0.7)), Y) is None
 
 
 @pytest.mark.study
@@ -100,6 +79,15 @@ def test_shapes_have_their_known_answers() -> None:
         assert answer.limit == pytest.approx(answer.known, rel=near), answer.name
         if answer.static is not None:
             assert answer.static == pytest.approx(answer.limit, rel=1e-3), answer.name
+
+
+def test_walls_that_slide_carry_their_known_acceleration_and_less_along_a_path() -> None:
+    """Those of Ferris & Tin-Loi: sliding that dilates holds more than friction with a history."""
+    published = yaml.safe_load(PUBLISHED.read_text())
+    for answer in pushed_walls(published["shapes"]):
+        assert answer.limit == pytest.approx(answer.known, abs=6e-6), answer.name
+        assert answer.static is not None
+        assert 0.85 * answer.limit < answer.static < answer.limit - 1e-3, answer.name
 
 
 def test_published_values_are_of_samples_and_axes_that_there_are() -> None:

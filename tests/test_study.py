@@ -10,12 +10,10 @@ import yaml
 from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
+from small import BOTH
 
-from sidmacib.contact_points import OPTIONS, READY_OPTIONS
+from sidmacib import OPTIONS, READY_OPTIONS, Joint, NodeLayout, OwnLock, UpperBody, assemble
 from sidmacib.engines.engine import Numerics
-from sidmacib.joint import Joint, OwnLock, UpperBody
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study, with_installed_engines
@@ -34,7 +32,6 @@ from workflow.schema.sections import (
 )
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
-BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
 
 
 def merged(**change: Any) -> dict[str, Any]:
@@ -86,21 +83,12 @@ def test_a_ready_option_is_taken_by_its_name(options: Any) -> None:
 DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
 
 
-def differing(locks: dict[Any, Any]) -> dict[str, Any]:
-    """A study of a joint whose ``locks`` differ."""
-    return {
-        "samples": {"n": {"locks": 3, "different": locks}},
-        "sidmacib": {"reductions": ["none"]},
-    }
-
-
+DIFFER = {"locks": 3, "different": {2: {"width": 0.06, "inner": {"cohesion": 1e5}}}}
 REFUSED = yaml.safe_load((ROOT / "tests/cases/refused_studies.yaml").read_text())
 
 
 @pytest.mark.parametrize("refused", REFUSED, ids=lambda each: each["says"][:60])
-def test_a_fault_is_reported_in_one_line_with_key_value_and_what_is_allowed(
-    refused: dict[str, Any],
-) -> None:
+def test_a_fault_is_one_line_with_key_value_and_what_is_allowed(refused: dict[str, Any]) -> None:
     with pytest.raises(ConfigError, match=f"^{refused['says']}$") as error:
         cases_of(read_study(refused["study"]))
     assert len(str(error.value).splitlines()) == 1
@@ -170,7 +158,7 @@ def test_what_an_engine_takes_no_notice_of_is_noted_where_a_study_changes_it() -
         merged(**DUCTILE, models=["limit"], dem={"engines": ["yade"]}),
         merged(materials={"inner": {"shear_stiffness": 5e9}}, dem={"engines": []}),
         {"samples": {"n": {"locks": 3, "b": 0.02}}, "meshes": [0.005]},
-        differing({2: {"width": 0.06, "inner": {"cohesion": 1e5}}}),
+        {"samples": {"n": DIFFER}, "sidmacib": {"reductions": ["none"]}},
         merged(assembly={"hold_down": {"pressure": 1e5}}, sidmacib={"options": ["bilinear"]}),
         merged(variants={"v": {"upper_body": "monolithic", "eccentricities": ["torsion"]}}),
     ],

@@ -6,32 +6,23 @@ import numpy as np
 import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
+from small import TWO_MESHES
 
 from analysis.summary import rule_errors
 from analysis.summary.summary import leading_models, summary
-from sidmacib.contact_points import ContactOption
-from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint import Direction
-from sidmacib.rule import safe
+from sidmacib import ContactOption, Direction, Sidmacib, capacities, safe
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.schema import Study
 
 COUNTED = {"weak": 0.75, "strong": 1.25}  # locks that count in results made up for each sample
-
-
 COUNT = "Is it safe to count (n - 1) / 2 of the n locks of a joint?"
 
 
 def study_of(**change: Any) -> Study:
-    config = {
-        "samples": {"weak": {"locks": 3}, "strong": {"locks": 3}},
-        "meshes": [0.02, 0.01],
-        "eccentricities": [0, 0.5, "torsion"],
-        "models": ["static", "law", "safe"],
-        "dem": {"engines": []},
-    }
-    return read_study({**config, **change})
+    samples = {"weak": {"locks": 3}, "strong": {"locks": 3}}
+    models = {"models": ["static", "law", "safe"]}
+    return read_study({**TWO_MESHES, "samples": samples, **models, **change})
 
 
 def tables_for(study: Study) -> dict[str, pd.DataFrame]:
@@ -90,9 +81,8 @@ def test_loads_are_printed_as_shear_and_torque_for_each_ratio_of_eccentricity(
 
 
 def test_a_rule_that_refuses_says_why_in_the_summary() -> None:
-    study = study_of(
-        samples={"long": {"locks": 33}, "weak": {"locks": 3}}, eccentricities=[0, "torsion"]
-    )
+    samples = {"long": {"locks": 33}, "weak": {"locks": 3}}
+    study = study_of(samples=samples, eccentricities=[0, "torsion"])
     text = summary("there", tables_for(study), [0.02, 0.01])
     assert "long no answer, see below; weak V " in text
     assert text.count("  - long: locks: 33 is not allowed; it must be from 2 to 31") == 2

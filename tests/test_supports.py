@@ -12,10 +12,9 @@ import pytest
 from command_runner import answers, run
 from structures import dry
 
-from sidmacib.errors import InfeasibleError
+from sidmacib import InfeasibleError, greatest_reaction, least_reaction, support_path
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.structure.analysis.support_path import static_reactions
-from sidmacib.structure.analysis.supports import greatest_reaction, least_reaction, support_path
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import demands_of, loads_of, structure_of
 from sidmacib.structure.loads import SupportMotion, free_weight, support_moves, support_turns
@@ -92,17 +91,13 @@ def test_the_least_thrust_of_an_arch_has_hinges_at_the_crown_and_the_haunches() 
     model, loads = semicircle()
     least = least_reaction(model, loads)
     assert least.size / free_weight(model) == pytest.approx(HalfArch().thrust(0.0)[0], rel=1e-7)
-    assert least.hinges == (
-        "voussoir2-voussoir3",
-        "voussoir7-voussoir8",
-        "voussoir12-voussoir13",
-    )
+    between = ("voussoir2-voussoir3", "voussoir7-voussoir8", "voussoir12-voussoir13")
+    assert least.hinges == between
 
 
 def test_least_and_greatest_thrust_bracket_the_path_of_the_static_model() -> None:
     model, loads = semicircle()
     least, greatest = least_reaction(model, loads), greatest_reaction(model, loads)
-    assert greatest is not None
     path = static_reactions(model, loads, least.size)
     assert least.size * (1 - 1e-4) <= path.reaction.min()
     assert path.reaction.max() < greatest.size
@@ -116,18 +111,18 @@ def test_an_arch_on_spreading_supports_falls_where_its_hinges_say() -> None:
     path, known = support_path(model, loads), HalfArch()
     assert path.falls
     assert path.movement[-1] == pytest.approx(known.falls(), rel=0.005)
-    for moved, reaction in list(zip(path.movement.tolist(), path.reaction.tolist(), strict=True))[
-        :-2:6
-    ]:
+    some = slice(None, -2, 6)
+    for moved, reaction in zip(path.movement[some], path.reaction[some], strict=True):
         assert reaction / free_weight(model) == pytest.approx(known.thrust(moved)[0], rel=1e-3)
+
+
+def supports_at(**places: float) -> list[Block]:
+    return [box(name, (x, 0, -1), (x + 0.2, 0.3, 0), 2e3, fixed=True) for name, x in places.items()]
 
 
 def two_spans(friction: float = 0.7) -> Assembly:
     """Two beams on three supports, which do not touch each other, with a wall on the right one."""
-    supports = [
-        box(name, (x, 0, -1), (x + 0.2, 0.3, 0), 2e3, fixed=True)
-        for name, x in (("left", -0.1), ("pier", 1.9), ("right", 3.9))
-    ]
+    supports = supports_at(left=-0.1, pier=1.9, right=3.9)
     beams = [
         box("beam1", (-0.1, 0, 0), (1.99, 0.3, 0.3), 2e3),
         box("beam2", (2.01, 0, 0), (4.1, 0.3, 0.3), 2e3),
@@ -147,7 +142,6 @@ def test_an_abutment_that_settles_below_a_wall_on_two_spans() -> None:
     assert least.hinges == ("pier-beam2", "right-beam2")
     # Pushed up: about its other end, x = 2.01, at the inner edge of the abutment, x = 3.9.
     by_hand = (beam * (3.055 - 2.01) + wall * (3.01 - 2.01)) / (3.9 - 2.01)
-    assert greatest is not None
     assert greatest.size == pytest.approx(by_hand, rel=1e-6)
     rest = static_reactions(model, loads, least.size)
     assert least.size < rest.rest < greatest.size
@@ -176,10 +170,7 @@ def test_a_beam_falls_where_a_support_is_drawn_from_below_it() -> None:
 
 
 def test_a_support_that_nothing_needs_comes_free() -> None:
-    blocks: list[Block] = [
-        box(name, (x, 0, -1), (x + 0.2, 0.3, 0), 2e3, fixed=True)
-        for name, x in (("left", 0.0), ("middle", 1.9), ("right", 3.8))
-    ]
+    blocks = supports_at(left=0.0, middle=1.9, right=3.8)
     model = structure([*blocks, box("beam", (0, 0, 0), (4, 0.3, 0.3), 2e3)], dry(0.6))
     loads = support_moves(model, "middle", (0, 0, -1))
     assert least_reaction(model, loads).size == pytest.approx(0.0, abs=1e-6 * free_weight(model))
@@ -217,13 +208,8 @@ def test_the_command_prints_reactions_of_a_support_that_moves(tmp_path: Path) ->
     file.write_text(json.dumps(BEAM))
     options = "--capacity-curve", str(curve), "--picture", str(picture)
     rows = {row["model"]: row for row in answers("assembly", str(file), *options)}
-    assert list(rows) == [
-        "static, at rest",
-        "static, yields",
-        "limit, least",
-        "limit, greatest",
-        "kinematics",
-    ]
+    models = ("static, at rest", "static, yields", "limit, least", "limit, greatest", "kinematics")
+    assert tuple(rows) == models
     weight = 2.2 * 0.3 * 0.3 * 2000 * 9.81
     assert rows["limit, least"]["reaction (N)"] == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
     assert rows["static, at rest"]["reaction (N)"] == pytest.approx(weight / 2, rel=1e-3)

@@ -1,6 +1,7 @@
 """Gravity that turns, against theory and under changes that mean nothing."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from structures import dry, moved
+from structures import BLOCK, GROUND, LEANING, degrees, dry, moved, on_ground
 
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import FaceMaterial, Vector
@@ -29,21 +30,13 @@ from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import Pair, structure
 from studies.structures.shapes import arch
 
-GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
-BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
 STRONG = FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9)
 Y = Tilt((0.0, 1.0, 0.0))
 
 
-def degrees(slope: float) -> float:
-    return math.degrees(math.atan(slope))
-
-
 @pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (math.sqrt(3), 1.0, 0.0)])
-def test_a_block_on_a_slope_slides_at_the_angle_of_friction(
-    axis: tuple[float, float, float],
-) -> None:
-    model = structure([GROUND, BLOCK], dry(0.2))
+def test_a_block_on_a_slope_slides_at_its_friction_angle(axis: tuple[float, float, float]) -> None:
+    model = on_ground(0.2)
     found = static_tilt(model, Tilt(axis))
     assert found.angle == pytest.approx(degrees(0.2), abs=0.01)
     assert found.angle == found.first_failure
@@ -52,10 +45,8 @@ def test_a_block_on_a_slope_slides_at_the_angle_of_friction(
 
 
 @pytest.mark.parametrize(("axis", "width"), [((0.0, 1.0, 0.0), 0.4), ((1.0, 0.0, 0.0), 0.6)])
-def test_a_tall_block_overturns_at_width_over_height(
-    axis: tuple[float, float, float], width: float
-) -> None:
-    model = structure([GROUND, BLOCK], dry(0.84))
+def test_tall_blocks_overturn_at_b_over_h(axis: tuple[float, float, float], width: float) -> None:
+    model = on_ground(0.84)
     found, limit = static_tilt(model, Tilt(axis)), limit_tilt(model, Tilt(axis))
     assert found.angle == pytest.approx(degrees(width), abs=0.01)
     assert found.motion is Motion.ROCKING
@@ -105,25 +96,18 @@ def test_a_block_that_is_glued_on_hangs_upside_down() -> None:
 
 
 def test_a_block_that_falls_over_upright_is_reported() -> None:
-    leaning = prism(
-        "leaning",
-        [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (1.4, 0.0, 1.0), (1.0, 0.0, 1.0)],
-        (0.0, 0.6, 0.0),
-        2e3,
-    )
-    model = structure([GROUND, leaning], dry(0.7))
+    model = structure([GROUND, LEANING], dry(0.7))
     with pytest.raises(NoEquilibriumError, match="does not stand under its own weight"):
         static_tilt(model, Y)
-    with pytest.raises(InfeasibleError):
-        limit_tilt(model, Y)
-    with pytest.raises(InfeasibleError):
-        limit_tilt(model, Tilt((0.0, 1.0, 1.0)))
+    for tilt in (Y, Tilt((0.0, 1.0, 1.0))):
+        with pytest.raises(InfeasibleError):
+            limit_tilt(model, tilt)
 
 
 def test_gravity_turns_by_the_right_hand_rule_and_keeps_its_size() -> None:
     assert Y.gravity(90.0) == pytest.approx([-1.0, 0.0, 0.0])
     assert Y.gravity(180.0) == pytest.approx([0.0, 0.0, 1.0])
-    model = structure([GROUND, BLOCK], dry(0.7))
+    model = on_ground(0.7)
     weight = turned(model, Tilt((1.0, 2.0, 0.5)), 70.0).permanent
     assert np.linalg.norm(weight[1]) == pytest.approx(BLOCK.weight)
     assert not weight[0].any()
@@ -131,7 +115,7 @@ def test_gravity_turns_by_the_right_hand_rule_and_keeps_its_size() -> None:
 
 @pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (1.0, 2.0, 0.5)])
 def test_gravity_that_turns_is_a_load_of_the_weight_times_the_angle(axis: Vector) -> None:
-    model, tilt = structure([GROUND, BLOCK], dry(0.7)), Tilt(axis)
+    model, tilt = on_ground(0.7), Tilt(axis)
     loads = tilting(model, tilt)
     for angle in (0.0, 30.0, 130.0):
         load = load_of_tilt(angle, loads)
@@ -142,31 +126,19 @@ def test_gravity_that_turns_is_a_load_of_the_weight_times_the_angle(axis: Vector
 
 def leaning_stack() -> list[Block]:
     """Three blocks, each a little further along x and y than the one below."""
-    return [
-        box(
-            f"block{k}",
-            (0.05 * k, 0.03 * k, 0.3 * k),
-            (0.05 * k + 0.5, 0.03 * k + 0.4, 0.3 * k + 0.3),
-            2e3,
-        )
-        for k in range(3)
-    ]
+    first, step = box("block", (0.0, 0.0, 0.0), (0.5, 0.4, 0.3), 2e3), np.array([0.05, 0.03, 0.3])
+    here = Rotation.identity()
+    return [replace(moved(first, here, k * step), name=f"block{k}") for k in range(3)]
 
 
 def wedge() -> list[Block]:
     """A block in a notch between two fixed ones."""
+    along = (0.0, 1.0, 0.0)
     flanks = [
-        prism(
-            name,
-            [(0.0, 0.0, 0.0), (sign * 1.0, 0.0, 0.0), (sign * 1.0, 0.0, 1.0)],
-            (0.0, 1.0, 0.0),
-            2e3,
-            fixed=True,
-        )
-        for name, sign in (("left", -1.0), ("right", 1.0))
+        prism(name, [(0, 0, 0), (side, 0, 0), (side, 0, 1.0)], along, 2e3, fixed=True)
+        for name, side in (("left", -1.0), ("right", 1.0))
     ]
-    key = [(0.0, 0.0, 0.0), (0.7, 0.0, 0.7), (-0.7, 0.0, 0.7)]
-    return [*flanks, prism("key", key, (0.0, 1.0, 0.0), 2e3)]
+    return [*flanks, prism("key", [(0, 0, 0), (0.7, 0, 0.7), (-0.7, 0, 0.7)], along, 2e3)]
 
 
 SHAPES = {"stack": [GROUND, *leaning_stack()], "arch": arch(9, 0.25), "wedge": wedge()}
@@ -186,9 +158,7 @@ def both(
     about=st.floats(-3.0, 3.0),
     shift=st.lists(st.floats(-9.0, 9.0), min_size=3, max_size=3),
 )
-def test_turned_and_shifted_coordinates_change_nothing(
-    shape: str, about: float, shift: list[float]
-) -> None:
+def test_turned_and_shifted_axes_mean_nothing(shape: str, about: float, shift: list[float]) -> None:
     """Turned about the vertical, as gravity begins along -z."""
     axis = np.array([0.3, 1.0, 0.0])
     here = both(SHAPES[shape], Tilt((0.3, 1.0, 0.0)))

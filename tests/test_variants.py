@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 import pytest
 from made_up_results import capacity_of, record_with
+from small import TWO_MESHES
 
 from analysis.figures import FigureSpec
 from analysis.figures.models import fracture_energy, stiffness
@@ -21,7 +22,6 @@ from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.schema import Study
 
-ONLY_STATIC = {"models": ["static"], "dem": {"engines": []}}
 BENDS = {"soft": {"young": 1e9}, "rigid": {"pieces": "rigid"}}
 FADES = {
     "tough": {"failure": "softening", "fracture_energy": 10},
@@ -31,16 +31,7 @@ FADES = {
 
 
 def study_of(variants: Mapping[str, Any], **others: Any) -> Study:
-    return read_study(
-        {
-            "samples": {"n3": {"locks": 3}},
-            "meshes": [0.02, 0.01],
-            "eccentricities": [0, 0.5, "torsion"],
-            "variants": variants,
-            **ONLY_STATIC,
-            **others,
-        }
-    )
+    return read_study({**TWO_MESHES, "variants": variants, **others})
 
 
 def elastic_study() -> Study:
@@ -60,12 +51,6 @@ def tables_of(
 def any_capacity() -> pd.DataFrame:
     """Capacities of the elastic study: those of SiDMACIB are the same whatever its models carry."""
     return tables_of(elastic_study(), lambda case: 100.0)[0]
-
-
-def half_capacity(capacity: pd.DataFrame, option: str) -> dict[str, float]:
-    """Loads of SiDMACIB with (n - 1) / 2 locks and one option, by case."""
-    rows = capacity[(capacity["option"] == option) & (capacity["reduction"] == "half")]
-    return rows[rows["friction"].eq(False)].set_index("case")["load_N"].to_dict()
 
 
 def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
@@ -92,11 +77,13 @@ def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> No
 @pytest.mark.parametrize("option", ["option1", "option2", "option3", "option4"])
 def test_the_option_that_a_variant_follows_is_its_best(option: str) -> None:
     study = elastic_study()
-    follows = half_capacity(any_capacity(), option)
-    _, table = tables_of(
-        study,
-        lambda case: follows[case.name.removesuffix("-soft")] if case.variant == "soft" else 1,
-    )
+    half = any_capacity().query("option == @option and reduction == 'half' and friction == False")
+    follows = half.set_index("case")["load_N"].to_dict()
+
+    def load(case: JointCase) -> float:
+        return follows[case.name.removesuffix("-soft")] if case.variant == "soft" else 1.0
+
+    _, table = tables_of(study, load)
     soft = table[table["variant"] == "soft"]
     assert set(soft["option"]) == {option}
     assert soft["misfit"].to_numpy() == pytest.approx(0.0, abs=1e-9)

@@ -1,15 +1,20 @@
 """Whether a structure carries what its file demands, at the command line and in Python."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 import yaml
+from click.testing import CliRunner
 from command_runner import run
 from conftest import ROOT
 from structures import condensed_keys, example
 
+from sidmacib.command.options import units_option
+from sidmacib.command.output import say
 from sidmacib.mechanics.assembly import GRAVITY
 
 WEIGHT = 2000.0 * GRAVITY
@@ -18,6 +23,7 @@ BLOCKS = {
     "cube": {"low": [0, 0, 0], "high": [1, 1, 1], "density": 2000},
 }
 SLIDING: dict[str, Any] = {"blocks": BLOCKS, "interfaces": {"friction": 0.5}}
+TOP: dict[str, Any] = {"block": "cube", "at": [0.5, 0.5, 1]}
 PUSH = {"acceleration": [1, 0, 0]}
 
 
@@ -40,6 +46,40 @@ def test_a_load_is_carried_with_the_factor_of_the_load_that_counts(path: Path) -
     assert said(path, given) == (1, "No: it does not carry 19620 N with a factor of 0.5")
     rows = json.loads(run("assembly", str(path), "--format", "json").stdout)
     assert [row["factor"] for row in rows] == pytest.approx([0.5] * 3, rel=1e-3)
+
+
+def test_words_are_in_the_units_that_were_asked_for(path: Path) -> None:
+    note = path.with_suffix(".html")
+    down = {"force": {**TOP, "direction": [0, 0, -1], "newtons": 1000}}
+    given = {**SLIDING, "permanent": [down], "load": {**PUSH, "newtons": 5000}}
+    given["interfaces"] = {"friction": 0.7, "compressive_strength": "50kPa"}
+    code, line = said(path, given, "--units", "kN,mm", "--note", str(note))
+    assert code == 0
+    assert line.startswith("Yes: it carries 5 kN with a factor of")
+    assert re.search(r"strength from \d+\.\d+ kN on; without crushing 14\.43 kN$", line)
+    text = note.read_text()
+    assert line in text
+    assert "permanent loads beside weight, together (0, 0, -1) kN" in text
+    assert not re.search(r"verdict\">[^<]* N[ ;.,]", text)
+    rows = json.loads(run("assembly", str(path), "--format", "json", "--units", "kN").stdout)
+    assert " kN on; without crushing 14.43 kN" in rows[-1]["note"]
+
+
+@pytest.mark.parametrize(
+    ("units", "words"),
+    [
+        ("kN", "1.5 kN at (0, -2, 1) m, 3 N m, 4 N/m2, v5 N"),
+        ("mm,kNm", "1500 N at (0, -2000, 1000) mm, 0.003 kNm, 4 N/m2, v5 N"),
+        ("lbf", "337.2 lbf at (0, -2, 1) m, 3 N m, 4 N/m2, v5 N"),
+    ],
+)
+def test_only_numbers_before_a_unit_that_was_asked_for_change(units: str, words: str) -> None:
+    @click.command()
+    @units_option
+    def told() -> None:
+        say("1500 N at (0, -2, 1) m, 3 N m, 4 N/m2, v5 N", "table")
+
+    assert CliRunner().invoke(told, ["--units", units]).output == f"{words}\n"
 
 
 def test_an_amount_may_be_over_the_weight(path: Path) -> None:

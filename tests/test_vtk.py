@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.vtk import write_path
-from sidmacib.joint import Direction, Elastic, Joint
-from sidmacib.joint.loading import Loading
-from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib import Direction, Elastic, Joint, Loading, NodeLayout
 from workflow.case import Case, JointCase, JointSubject
 
 
@@ -26,13 +24,8 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 def steps(collection: Path) -> list[tuple[float, meshio.Mesh]]:
     sets = ElementTree.parse(collection).getroot().iter("DataSet")
-    return [
-        (float(s.attrib["timestep"]), _read(collection.parent / s.attrib["file"])) for s in sets
-    ]
-
-
-def _read(path: Path) -> meshio.Mesh:
-    return meshio.read(path)
+    rows = [(float(each.attrib["timestep"]), each.attrib["file"]) for each in sets]
+    return [(step, meshio.read(collection.parent / file)) for step, file in rows]
 
 
 def test_pieces_are_boxes_that_move(written: list[Path]) -> None:

@@ -2,21 +2,23 @@
 
 import csv
 import json
-import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 import pytest
 import yaml
+from campaigns.faults import processes_in
 from conftest import ROOT
+from processes import python, ran
+from small import COARSE
 from test_decks import returned
+from test_execute import becomes_true
 
 from workflow.__main__ import forget_failures
 from workflow.cases import cases_of
@@ -25,20 +27,12 @@ from workflow.threedec import decks
 
 pytestmark = pytest.mark.study
 
-SMALL = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
-    "models": ["static"],
-    "dem": {"engines": ["yade"]},
-    "eccentricities": [0, 0.5, "torsion"],
-    "variants": {"soft": {"failure": "ductile", "eccentricities": [0]}},
-}
-SOLVED = {**SMALL, "dem": {"engines": []}, "variants": {}, "eccentricities": [0, 0.5]}
+SOFT = {"soft": {"failure": "ductile", "eccentricities": [0]}}
+SMALL = COARSE | {"dem": {"engines": ["yade"]}, "variants": SOFT}
+SOLVED = COARSE | {"eccentricities": [0, 0.5]}
 OF_CASES = ("engine", "solve", "returned")  # rules
 CASES = {"n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion", "n3-mesh0.03-e0a-soft"}
-TABLES = {
-    *("collect", "capacity", "comparisons", "figures", "summary", "report", "complete"),
-}
+TABLES = {"collect", "capacity", "comparisons", "figures", "summary", "report", "complete"}
 
 
 class Workspace:
@@ -60,15 +54,7 @@ class Workspace:
         ]
 
     def snakemake(self, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            self.command(*arguments),
-            check=False,
-            cwd=self.folder,
-            env={**os.environ, **environment},
-            capture_output=True,
-            text=True,
-            timeout=600,
-        )
+        return ran(*self.command(*arguments), cwd=self.folder, **environment)
 
     def planned(self) -> set[str]:
         """What a run would make: cases and batches by name, and what comes after by rule."""
@@ -134,21 +120,11 @@ def test_the_rule_graph_names_the_rules_and_writes_nothing(
     assert not workspace.results.exists()
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"geomtry": {"a": 0.06}}, "geomtry: "),
-        ({"geometry": {"a": -0.06}}, "geometry.a: -0.06 is not allowed"),
-        ({"overrides": {"n3-mesh0.3": {}}}, "overrides: "),
-    ],
-)
-def test_a_typo_is_rejected_before_anything_runs(
-    workspace: Workspace, change: dict[str, object], message: str
-) -> None:
-    workspace.configure({**SMALL, **change})
+def test_a_fault_is_reported_before_anything_runs(workspace: Workspace) -> None:
+    workspace.configure({**SMALL, "geometry": {"a": -0.06}})
     found = workspace.snakemake()
     assert found.returncode != 0
-    assert message in found.stdout + found.stderr
+    assert "geometry.a: -0.06 is not allowed" in found.stdout + found.stderr
     assert "Traceback" not in found.stderr
     assert not workspace.results.exists()
 
@@ -162,32 +138,19 @@ def test_a_study_without_engines_has_the_static_model_in_their_place(solved: Wor
     assert solved.planned() == set()
 
 
-def test_results_that_are_deleted_are_made_again(solved: Workspace) -> None:
-    paths = ("cases/static/batch/nodes.parquet", "tables/fit.csv", "figures/meshes.png")
-    before = {name: (solved.results / name).read_bytes() for name in paths}
-    for name in paths:
-        (solved.results / name).unlink()
-    assert solved.planned() >= {"batch", "comparisons", "figures"}
-    assert solved.snakemake().returncode == 0
-    assert {name: (solved.results / name).read_bytes() for name in paths} == before
-    assert solved.planned() == set()
-
-
 def test_snakemakes_own_report_has_figures_and_tables_with_captions(solved: Workspace) -> None:
     found = solved.snakemake("--report", "own.html")
     assert found.returncode == 0, found.stderr
     text = (solved.folder / "own.html").read_text()
-    for words in ("Figures", "Tables", "side_by_side.png", "capacity.csv", "what is assumed"):
-        assert words in text
-    for words in ("Click a rule of the graph", '"rule": "comparisons"', "Solve a batch of cases"):
-        assert words in text, words
+    shown = ("Figures", "Tables", "side_by_side.png", "capacity.csv", "what is assumed")
+    said = ("Click a rule of the graph", '"rule": "comparisons"', "Solve a batch of cases")
+    assert [words for words in (*shown, *said) if words not in text] == []
 
 
 @pytest.mark.parametrize("config", ["config.yaml", "studies/locks/config.yaml"])
 def test_the_linter_finds_only_that_rules_share_one_environment(config: str) -> None:
     """And that functions stand beside the rules whose cases they look up."""
-    command = [sys.executable, "-m", "snakemake", "--lint", "--configfile", config]
-    found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    found = python("-m", "snakemake", "--lint", "--configfile", config)
     lints = set(re.findall(r"^ {4}\* (.*)$", found.stdout + found.stderr, re.MULTILINE))
     assert lints == {
         "Specify a conda environment or container for each rule.:",
@@ -195,9 +158,7 @@ def test_the_linter_finds_only_that_rules_share_one_environment(config: str) -> 
     }
 
 
-def test_a_case_that_was_solved_in_a_batch_has_files_of_its_own_on_request(
-    solved: Workspace,
-) -> None:
+def test_a_case_that_was_solved_in_a_batch_has_its_own_files_on_request(solved: Workspace) -> None:
     name = "n3-mesh0.03-e0.5a"
     found = solved.snakemake(f"results/cases/static/{name}/result.json")
     assert found.returncode == 0, found.stderr
@@ -222,18 +183,16 @@ def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Work
     assert found.returncode == 0, found.stderr
     capacity = pd.read_csv(workspace.results / "tables/capacity.csv")
     assert capacity.loc[capacity["model"] == "3dec", "shear_N"].tolist() == [245.5]
-    heads = re.findall(
-        r"^(.+), mesh 0.03 m: V", (workspace.results / "summary.txt").read_text(), re.M
-    )
+    text = (workspace.results / "summary.txt").read_text()
+    heads = re.findall(r"^(.+), mesh 0.03 m: V", text, re.M)
     assert heads == ["Static model", "Limit analysis", "3DEC"]
     # What came back is wrong now: it is named, and everything else is there.
     (folder / "results.txt").write_text(returned(case, float("inf")))
     found = workspace.snakemake("results/.complete")
     assert found.returncode != 0
     text = (workspace.results / "summary.txt").read_text()
-    assert text.startswith(
-        "WITHOUT A RESULT: 1 of 5 cases\n  n3-mesh0.03-e0a (3dec): 3dec: results"
-    )
+    words = "WITHOUT A RESULT: 1 of 5 cases\n  n3-mesh0.03-e0a (3dec): 3dec: results"
+    assert text.startswith(words)
 
 
 # --- with an engine ------------------------------------------------------------------------------
@@ -325,39 +284,50 @@ def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
 
 
 @pytest.mark.engine
-def test_a_run_that_is_killed_leaves_nothing_alive_and_the_next_one_goes_on(
-    workspace: Workspace,
-) -> None:
+def test_a_run_that_is_killed_leaves_nothing_and_the_next_goes_on(workspace: Workspace) -> None:
     workspace.configure({**SMALL, "meshes": [0.008], "eccentricities": [0], "variants": {}})
     run = subprocess.Popen(
         workspace.command(), cwd=workspace.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     )
-    deadline = time.monotonic() + 120
-    while not (children := engines_in(workspace.folder)) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert children
+    cases = workspace.results / "cases"
+    assert becomes_true(lambda: processes_in(cases) != [], 120.0)
     refused = workspace.snakemake()
     assert refused.returncode != 0
     assert re.search(r"another run is using this folder \(process \d+\)", refused.stderr)
     run.send_signal(signal.SIGKILL)
     run.wait()
-    deadline = time.monotonic() + 20
-    while engines_in(workspace.folder) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert not engines_in(workspace.folder)
+    assert becomes_true(lambda: not processes_in(cases), 20.0)
     found = workspace.snakemake("results/tables/cases.csv")
     assert found.returncode == 0, found.stderr
     assert pd.read_csv(workspace.results / "tables/cases.csv")["error"].isna().all()
 
 
-def engines_in(folder: Path) -> list[int]:
-    """Processes that work in a case's folder below ``folder``."""
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            place = str((process / "cwd").readlink())
-        except OSError:
-            continue
-        if place.startswith(f"{folder}/results/cases/"):
-            found.append(int(process.name))
-    return found
+@pytest.mark.engine
+def test_a_run_that_fails_shows_no_summary_of_an_earlier_one(tmp_path: Path) -> None:
+    study = Workspace(tmp_path / "study")
+    study.configure({**SOLVED, "eccentricities": [0]})
+    assert states(study) == {"static": "to do"}
+    assert study.snakemake("results/summary.txt", "results/report.html").returncode == 0
+    assert states(study) == {"static": "done"}
+    engine = tmp_path / "kills-its-job"
+    engine.write_text("#!/bin/sh\nkill -KILL $PPID\n")
+    engine.chmod(0o755)
+    study.configure({**SOLVED, "dem": {"engines": ["yade"]}, "eccentricities": [0]})
+    found = asked(study, "study", YADE_PYTHON=str(engine))
+    assert found.returncode == 1
+    assert found.stdout == ""
+    assert found.stderr.splitlines()[-1] == f"{study.results}: the study is incomplete, see above"
+    assert "n3-mesh0.03-e0a" in found.stderr
+    assert states(study, YADE_PYTHON=str(engine))["yade"] == "to do"  # none was written
+
+
+def asked(study: Workspace, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The command of the workflow, as `make` calls it."""
+    place = (str(study.folder / "study.yaml"), f"--results={study.results}")
+    return python("-m", "workflow", words[0], *place, *words[1:], **environment)
+
+
+def states(study: Workspace, **environment: str) -> dict[str, str]:
+    """States of the cases of a study by model, as `make cases` prints them."""
+    printed = asked(study, "cases", "--format", "csv", **environment).stdout
+    return {row["model"]: row["state"] for row in csv.DictReader(printed.splitlines())}

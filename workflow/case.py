@@ -4,6 +4,7 @@ import hashlib
 import importlib
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
@@ -33,6 +34,7 @@ class JointSubject:
     kind: ClassVar[str] = "cases"
     part: ClassVar[str] = "workflow.results.joint_part"  # module of its part of a record
     modules: ClassVar[tuple[str, ...]] = (part,)
+    demands: ClassVar[bool] = False
 
     sample: str
     joint: Joint
@@ -95,6 +97,12 @@ class StructureSubject:
     structure: str
     load: str
     description: dict[str, Any]
+
+    @property
+    def demands(self) -> bool:
+        """Whether the description says how much of the load is to be carried."""
+        load = self.description.get("load")
+        return isinstance(load, Mapping) and not {"newtons", "over_weight"}.isdisjoint(load)
 
     def problem(self) -> Problem:
         """The blocks under their load; ValueError if the description is not of such."""
@@ -185,8 +193,8 @@ def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) 
 
 
 def structure_case_name(structure: str, load: str, variant: str = REFERENCE) -> str:
-    """Name of a structure's case."""
-    return _varied(f"{structure}-{load}", variant)
+    """Name of a structure's case, fit for files."""
+    return _varied(f"{structure}-{re.sub('[^A-Za-z0-9_.]', '_', load)}", variant)
 
 
 def _varied(name: str, variant: str) -> str:

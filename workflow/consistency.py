@@ -2,8 +2,6 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import groupby
-from operator import itemgetter
 from typing import Any
 
 from sidmacib.contact_points import REDUCTIONS
@@ -17,9 +15,10 @@ from sidmacib.model import Ability, Requirement
 from sidmacib.models import LAWS, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
-from workflow.case import REFERENCE
-from workflow.schema import LOAD, StructureSection, Study, required_sections
+from workflow.case import REFERENCE, structure_case_name
+from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases, required_sections
 from workflow.schema.sections import AssemblySection, NumericsSection, PartSection, Pieces, changed
+from workflow.schema.values import NAME_LENGTH
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
@@ -366,23 +365,35 @@ def structure_faults(study: Study) -> Iterator[str]:
 
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     # Polygons take long to import.
+    from sidmacib.structure.files import structure_file  # noqa: PLC0415
     from sidmacib.structure.files.loads import LoadSection  # noqa: PLC0415
-    from sidmacib.structure.files.structure_file import assembly_of, permanent_of  # noqa: PLC0415
 
-    for variant, group in groupby(section.described(), key=itemgetter(1)):
+    for variant, whole in section.wholes():
         place = f"variants.{variant}" if variant != REFERENCE else "description"
-        cases = [(load, description) for load, _, description in group]
         try:
-            assembly = assembly_of({k: v for k, v in cases[0][1].items() if k != LOAD})
+            if CASES in whole and not section.loads:
+                structure_file.demands_of(whole)
+                yield from _unnameable(f"{key}.{place}.{CASES}", load_cases(whole))
+                continue
+            own = {k: v for k, v in whole.items() if k not in (LOAD, CASES)}
+            assembly = structure_file.assembly_of(own)
         except ValueError as error:
             yield f"{key}.{place}: {_in_a_line(error)}"
             continue
-        for load, description in cases:
+        loads: Mapping[str, Any] = section.loads or {LOAD: whole.get(LOAD)}
+        for name, load in loads.items():
             try:
-                given = LoadSection.read(description.get(LOAD), LOAD)
-                given.on(assembly, permanent_of(assembly, description))
+                beside = structure_file.permanent_of(assembly, whole)
+                LoadSection.read(load, LOAD).on(assembly, beside)
             except ValueError as error:
-                yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
+                yield f"{key}.{f'loads.{name}' if section.loads else place}: {_in_a_line(error)}"
+
+
+def _unnameable(key: str, cases: Iterable[str]) -> Iterator[str]:
+    """A fault where the names of files cannot be made of those of load ``cases``."""
+    names = [structure_case_name("", name) for name in cases]
+    if len({*names}) < len(names) or max(map(len, names)) > NAME_LENGTH:
+        yield f"{key}: names must differ in letters, digits, _ and .; at most {NAME_LENGTH} letters"
 
 
 def _in_a_line(error: ValueError) -> str:

@@ -50,7 +50,7 @@ def found_by_engine(case: Case[Any], folder: Path, time_limit: float) -> Record[
     engine, numerics = ENGINES[case.model], case.numerics
     assert numerics is not None, f"{case.name}: an engine needs numerics"
     problem = case.subject.problem()
-    if reason := refusal(engine, problem.assembly):
+    if reason := refusal(engine, *problem):
         return record_without_result(case, refused=f"{engine.name}: {reason}")
     outcome = engine_outcome(engine, problem, numerics, f"{case.name}.", folder, time_limit)
     return record_of(case, problem, outcome, {engine.name: engine.version()})

@@ -83,10 +83,11 @@ def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
     except UnboundedError as error:
         if problem.loads.axis is not None:
             return record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
-        return record_without_result(case, error=f"{case.model}: {error}")
+        key = "refused" if case.subject.demands else "error"  # any load is an answer to a demand
+        return record_without_result(case, **{key: f"{case.model}: {error}"}, raised=error)
     except (CapacityError, ResultError, ValueError, MemoryError) as error:
         reason = str(error) or "out of memory"
-        return record_without_result(case, error=f"{case.model}: {reason}")
+        return record_without_result(case, error=f"{case.model}: {reason}", raised=error)
 
 
 def solved(case: Case[Any], solve: Solve) -> Solved:

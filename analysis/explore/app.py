@@ -3,9 +3,9 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from threading import Thread
 from typing import Annotated, Any, Generic
@@ -18,16 +18,16 @@ from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
 from analysis.drawing import label_of
+from analysis.explore.comparison import Figures, compared
 from analysis.explore.examples import (
     EXAMPLES,
     STRUCTURE_MODELS,
     STRUCTURE_SLIDERS,
     Chosen,
     checked_choice,
-    choice_in,
     defaults,
 )
-from analysis.explore.files import report_of
+from analysis.explore.files import OPENED, OpenedFiles
 from analysis.explore.pictures import (
     answers,
     covered,
@@ -35,6 +35,7 @@ from analysis.explore.pictures import (
     peak,
     pictures,
     ratios,
+    results,
     which_counts,
 )
 from analysis.explore.requests import HEADERS, Desk, SupersededError, in_one_line, require_own
@@ -42,14 +43,16 @@ from analysis.explore.state import (
     SLIDERS,
     Checked,
     Settings,
+    Slider,
     State,
     as_configuration,
     as_python,
-    as_query,
+    beside,
     checked,
     from_query,
+    query_of,
 )
-from analysis.explore.structures import FAULTS, STAGES, same, structure_answer
+from analysis.explore.structures import FAULTS, STAGES, carried, same, structure_answer
 
 HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
@@ -57,15 +60,15 @@ PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
 DRAWING = HERE.parents[1] / "sidmacib/scene"
 FILES = (
-    *((HERE / f"{name}.js", SCRIPT) for name in ("controls", "explore", "structures")),
+    *((HERE / f"{name}.js", SCRIPT) for name in ("server", "controls", "explore", "structures")),
     (HERE / "explore.css", STYLE),
     *((DRAWING / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
 )
-OPENED = "/opened"
-# Of the page of a file, which has its scripts in it and asks for nothing.
+# Of the page of a file, which has its scripts in it and asks for pages of other files only.
 POLICY_OF_FILES = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-    "img-src data: blob:; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
+    "img-src data: blob:; connect-src 'self'; form-action 'none'; base-uri 'none'; "
+    "frame-ancestors 'none'"
 )
 SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
@@ -91,10 +94,10 @@ class Explorer:
             "/structure": self._structure,
             "/file": self._file,
         }
-        self._opened = ""  # the page of the file that was opened last
+        self._files = OpenedFiles()
         self._pages: dict[str, Callable[[str], str]] = {
-            "/": lambda query: page(from_query(query)),
-            "/structures": lambda query: structures_page(choice_in(query)),
+            "/": lambda query: page(from_query(query, checked)),
+            "/structures": lambda query: structures_page(from_query(query, checked_choice)),
         }
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
@@ -129,9 +132,10 @@ class Explorer:
         if request.path in self._pages:
             query = request.query_string.decode("ascii", "replace")
             return Response(self._pages[request.path](query), mimetype="text/html")
-        if request.path == OPENED and self._opened:
+        if request.path == OPENED:
             own = {"Content-Security-Policy": POLICY_OF_FILES}
-            return Response(self._opened, mimetype="text/html", headers=own)
+            found = self._files.page(request.args)
+            return Response(found, mimetype="text/html", headers=own)
         if request.path == PLOTLY:
             kept = {"Cache-Control": "max-age=86400"}
             return Response(_plotly(), mimetype=SCRIPT, headers=kept)
@@ -145,36 +149,45 @@ class Explorer:
         asked = _asked(request, checked)
         state = asked.checked.state
         with self._desk.turn(*asked.turn):
-            results = answers(state)
+            found = [answers(each) for each in asked.checked.states]
+        both = [*zip(asked.checked.states, found, strict=True)]
+        (drawn, *kept), told = ([of(*each) for each in both] for of in (pictures, results))
         return {
             **asked.echo,
             "values": state.values,
-            "words": results.words,
-            **pictures(state, results),
+            "words": found[0].words,
+            **drawn,
+            "kept": {"words": found[1].words, "marks": kept[0]["marks"]} if kept else None,
+            "comparison": _compared(asked.checked, told),
             "yaml": as_configuration(state),
             "python": as_python(state),
-            "link": f"{request.host_url}?{as_query(state)}".rstrip("?"),
+            "link": _link(request, "", asked.checked),
         }
 
     def _curve(self, request: Request) -> dict[str, Any]:
         """The curve, which takes as long as all else for each of its directions."""
         asked = _asked(request, checked)
-        state, points = asked.checked.state, []
-        for ratio in ratios(state):
+        state, lines, counted, told = asked.checked.state, [], [], []
+        for each in asked.checked.states:
+            points = []
+            for ratio in ratios(each):
+                with self._desk.turn(*asked.turn):
+                    points.append(peak(each.joint, ratio))
             with self._desk.turn(*asked.turn):
-                points.append(peak(state.joint, ratio))
-        with self._desk.turn(*asked.turn):
-            counted = which_counts(state)
+                counted.append(_counted(each))
+                told.append(results(each, answers(each), counted[-1]))
+            known = [point for point in points if point is not None]
+            lines.append({name: [getattr(p, name) for p in known] for name in ("shear", "torque")})
         with self._desk.turn(*asked.turn):
             pulls = effects(state)
-        known = [point for point in points if point is not None]
         return {
             **asked.echo,
             "values": state.values,
-            "shear": [point.shear for point in known],
-            "torque": [point.torque for point in known],
-            "spread": counted.legend,
-            "counts": counted.words,
+            **lines[0],
+            "kept": {**lines[1], "name": asked.checked.kept.name} if asked.checked.kept else None,
+            "comparison": _compared(asked.checked, told),
+            "spread": counted[0].legend,
+            "counts": counted[0].words,
             "covered": covered(state),
             "effects": pulls,
         }
@@ -183,31 +196,41 @@ class Explorer:
         """The answer to choices of the other page; a newer request ends it between stages."""
         asked = _asked(request, checked_choice)
         chosen = asked.checked.state
-        for stage in STAGES:
-            with self._desk.turn(*asked.turn):
-                stage(same(chosen))
+        for each in asked.checked.states:
+            for stage in STAGES:
+                with self._desk.turn(*asked.turn):
+                    stage(same(each))
         with self._desk.turn(*asked.turn):
             found = structure_answer(chosen)
-        link = f"{request.host_url}structures?{chosen.query}"
-        return {**asked.echo, **found, "values": dict(chosen.values), "link": link}
+            both = [carried(each) for each in asked.checked.states]
+        return {
+            **asked.echo,
+            **found,
+            "values": dict(chosen.values),
+            "kept": {"words": both[1][0]} if both[1:] else None,
+            "comparison": _compared(asked.checked, [told for _, told in both]),
+            "link": _link(request, "structures", asked.checked),
+        }
 
     def _file(self, request: Request) -> dict[str, Any]:
         """The address of the page of a file that was sent, or what is wrong with it, in a line."""
         asked = _asked(request, _sent)
         try:
             with self._desk.turn(*asked.turn):
-                self._opened = report_of(asked.checked.state)
+                page = self._files.opened(*asked.checked.state)
         except FAULTS as error:
             return {**asked.echo, "page": None, "error": " ".join(str(error).split())}
-        return {**asked.echo, "page": OPENED, "error": None}
+        return {**asked.echo, "page": page, "error": None}
 
 
-def _sent(values: Mapping[str, object]) -> Checked[list[Any]]:
-    """The files of a request."""
-    files = values.get("files")
+def _sent(values: Mapping[str, object]) -> Checked[tuple[list[Any], int]]:
+    """Files, and the number of the one that they are compared with, 0 for none."""
+    files, kept = values.get("files"), values.get("kept", 0)
     if not isinstance(files, list) or not all(isinstance(each, dict) for each in files):
         raise BadRequest("files must be a list of objects with name and data.")
-    return Checked(files, ())
+    if not isinstance(kept, int):
+        raise BadRequest("kept must be the number of a file.")
+    return Checked((files, kept), ())
 
 
 @dataclass(frozen=True)
@@ -235,6 +258,7 @@ class _Post(BaseModel):
     page: Annotated[str, Field(min_length=1, max_length=40)]
     number: Annotated[int, Field(ge=0)]
     values: dict[str, Any]
+    kept: dict[str, Any] | None = None
 
 
 def _asked(
@@ -245,33 +269,52 @@ def _asked(
         sent = _Post.model_validate(json.loads(request.get_data(cache=False)), strict=True)
     except (ValueError, RecursionError):
         raise BadRequest("A post must have page, number and values, as this page sends.") from None
-    return _Asked(sent.page, sent.number, read(sent.values))
+    kept = None if sent.kept is None else read(sent.kept)
+    return _Asked(sent.page, sent.number, beside(read(sent.values), kept))
+
+
+def _compared(found: Checked[Any], told: Sequence[Figures]) -> list[list[Any]]:
+    """Lines of the comparison with what is kept; none if nothing is."""
+    if found.kept is None:
+        return []
+    shown, kept = told
+    return compared((found.state.told, found.kept.told), (shown, kept))
+
+
+def _link(request: Request, path: str, found: Checked[Any]) -> str:
+    query = query_of(found.state, found.kept)
+    return f"{request.host_url}{path}?{query}".rstrip("?")
+
+
+_counted = lru_cache(maxsize=64)(which_counts)
 
 
 def page(link: Checked[Settings]) -> str:
     """The page of a joint as HTML, with the sliders as ``link`` has them."""
-    return _rendered(
-        "page", sliders=SLIDERS, values=link.state.values, notes=link.notes, about=ABOUT
-    )
+    kept = link.kept and link.kept.values
+    return _rendered("page", SLIDERS, link, values=link.state.values, kept=kept, about=ABOUT)
 
 
 def structures_page(link: Checked[Chosen]) -> str:
     """The page of structures as HTML, with the sliders as ``link`` has them."""
     return _rendered(
         "structures",
+        STRUCTURE_SLIDERS,
+        link,
         examples={name: (each, defaults(name)) for name, each in EXAMPLES.items()},
-        sliders=STRUCTURE_SLIDERS,
         models={name: label_of(name).name for name in STRUCTURE_MODELS},
         chosen=link.state,
         values=dict(link.state.values),
-        notes=link.notes,
+        kept=link.kept and link.kept.chosen,
     )
 
 
-def _rendered(name: str, **content: Any) -> str:
+def _rendered(name: str, sliders: Mapping[str, Slider], link: Checked[Any], **content: Any) -> str:
     files = FileSystemLoader([HERE, DRAWING])
     environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
-    return environment.get_template(f"{name}.html.j2").render(plotly=PLOTLY, **content)
+    return environment.get_template(f"{name}.html.j2").render(
+        plotly=PLOTLY, sliders=sliders, notes=link.notes, **content
+    )
 
 
 @cache

@@ -11,7 +11,7 @@ from urllib.parse import urlencode
 
 import yaml
 
-from analysis.explore.state import Checked, Slider, in_note, in_query, nearest_values
+from analysis.explore.state import Checked, Slider, in_note, nearest_values
 from sidmacib.yaml_text import read_yaml
 
 STUDIES = Path(__file__).parents[2] / "studies"
@@ -141,6 +141,17 @@ class Chosen:
         return f"# {head}\n# multilock assembly FILE\n{body}"
 
     @property
+    def chosen(self) -> dict[str, Any]:
+        """All that is chosen, as the page has it."""
+        return {"structure": self.example, "model": self.model, **dict(self.values)}
+
+    @property
+    def told(self) -> dict[str, float | str]:
+        """The title, and the values by the labels of their sliders."""
+        labels = {STRUCTURE_SLIDERS[name].words: value for name, value in self.values}
+        return {"structure": EXAMPLES[self.example].title, **labels}
+
+    @property
     def query(self) -> str:
         """The query of a link: the example, and what differs from its file."""
         first = defaults(self.example)
@@ -165,14 +176,6 @@ def checked_choice(given: Mapping[str, object]) -> Checked[Chosen]:
     model = str(given.pop("model"))
     values, more = nearest_values(given, defaults(example), EXAMPLES[example].sliders)
     return Checked(Chosen(example, tuple(values.items()), model), (*notes, *more))
-
-
-def choice_in(query: str) -> Checked[Chosen]:
-    """The structure in the query of a link."""
-    try:
-        return checked_choice(in_query(query))
-    except ValueError as error:
-        return Checked(checked_choice({}).state, (str(error),))
 
 
 def defaults(name: str) -> dict[str, float]:

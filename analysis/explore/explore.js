@@ -2,11 +2,9 @@
 // The sliders' values go to the server, one request at a time; the latest wins. Everything shown is
 // from one answer, and grey while the sliders have other values.
 const inFlight = new Set();
-const waitingForCurve = []; // what is done as soon as the curve is that of the sliders
 let latest = 0; // number of the sliders' last change
 let shown = null; // the answer on the page
 let line = null; // the curve on the page
-let kept = null; // the joint that others are compared with, and its curve
 
 const isJointOf = (one, other) => Object.keys(one).every((name) => name === "eccentricity" || one[name] === other[name]);
 
@@ -14,7 +12,6 @@ function changed() {
   latest += 1;
   at("answer").ariaBusy = at("curve").ariaBusy = "true";
   showEffects({}); // those of another joint
-  for (const slider of sliders) if (typed(slider) && document.activeElement !== typed(slider)) typed(slider).value = slider.value;
   ask("answer");
 }
 
@@ -22,7 +19,7 @@ async function ask(kind) {
   if (inFlight.has(kind)) return; // which asks again as soon as it is back
   inFlight.add(kind);
   const number = latest;
-  const found = await post(kind, { page: PAGE, number, values: values() }, "joint");
+  const found = await post(kind, { page: PAGE, number, values: values(), kept: state.kept }, "joint");
   inFlight.delete(kind);
   const show = { answer: showAnswer, curve: showCurve }[kind];
   if (found) show(found);
@@ -35,10 +32,10 @@ function showAnswer(answer) {
   for (const name of ["words", "yaml", "python", "link"]) at(name).textContent = answer[name];
   drawCurve();
   drawJoint();
-  compare();
+  showComparison(answer);
   if (answer.number !== latest) return; // in grey: the sliders have moved on
   at("answer").ariaBusy = "false";
-  history.replaceState(null, "", answer.link); // so that the address opens the same joint
+  arrived(answer);
   for (const act of waiting.splice(0)) act();
   ask("curve");
 }
@@ -62,12 +59,12 @@ function showEffects(effects) {
 function showCurve(curve) {
   if (curve.number !== shown.number) return; // a curve of another joint than the numbers'
   showCovered(curve.covered);
+  showComparison(curve);
   showEffects(curve.number === latest ? curve.effects : {});
   line = curve;
   shown.words = at("words").textContent = `${shown.words} ${curve.counts}`.trim();
   drawCurve();
   at("curve").ariaBusy = String(curve.number !== latest);
-  if (curve.number === latest) for (const act of waitingForCurve.splice(0)) act();
 }
 
 // --- charts ----------------------------------------------------------------------------------
@@ -76,10 +73,10 @@ function drawCurve() {
   const current = line && isJointOf(line.values, shown.values);
   const style = (color) => ({ mode: "lines+markers", line: { color }, marker: { color } });
   const traces = line && !current ? [vmTrace({ shear: line.shear, torque: line.torque, name: "curve of another joint", ...style("#c9ced8") })] : [];
-  traces.push(vmTrace({ shear: current ? line.shear : shear, torque: current ? line.torque : torque, name: current ? name + line.spread : name, ...style(colour) }));
-  if (kept) {
-    traces.push(vmTrace({ shear: kept.line.shear, torque: kept.line.torque, name: `kept: ${kept.name}`, mode: "lines", line: { color: "#555555", dash: "dash", width: 2 } }));
-    for (const mark of kept.marks) traces.push(vmTrace({ shear: [mark.shear], torque: [mark.torque], name: `kept: ${mark.name}`, mode: "markers", marker: { color: "#555555", symbol: mark.symbol, size: 11 }, showlegend: false }));
+  traces.push(vmTrace({ shear: current ? line.shear : shear, torque: current ? line.torque : torque, name: current ? name + line.spread.replace(" ", "<br>") : name, ...style(colour) }));
+  if (shown.kept) {
+    if (line && line.kept) traces.push(vmTrace({ ...line.kept, name: `kept: ${line.kept.name}`, mode: "lines", line: { color: "#555555", dash: "dash", width: 2 } }));
+    for (const mark of shown.kept.marks) traces.push(vmTrace({ shear: [mark.shear], torque: [mark.torque], name: `kept: ${mark.name}`, mode: "markers", marker: { color: "#555555", symbol: mark.symbol, size: 11 }, showlegend: false }));
   }
   for (const mark of shown.marks) traces.push(vmTrace({ shear: [mark.shear], torque: [mark.torque], name: mark.name, mode: "markers", marker: { color: mark.colour, symbol: mark.symbol, size: 12 } }));
   vmChart("curve", traces, { margin: { l: 60, r: 15, t: 15, b: 50 }, uirevision: "same" });
@@ -92,11 +89,11 @@ function part(name, attributes, text = "") {
   return element;
 }
 
-function bar(share, left, width, foot, height, numbered) {
+function bar(share, left, width, foot, height, numbered, type) {
   const [middle, top] = [left + width / 2, foot - height * share.weight];
   const parts = [part("rect", { x: left + 0.15 * width, y: top, width: 0.7 * width, height: foot - top, fill: shown.colours[share.block], class: "weight" })];
-  if (numbered) parts.push(part("text", { x: middle, y: foot + 14, "text-anchor": "middle" }, share.lock));
-  if (width > 28) parts.push(part("text", { x: middle, y: top - 4, "text-anchor": "middle" }, share.weight.toFixed(2)));
+  if (numbered) parts.push(part("text", { x: middle, y: foot + 1.1 * type, "text-anchor": "middle" }, share.lock));
+  if (width > 2.4 * type) parts.push(part("text", { x: middle, y: top - 4, "text-anchor": "middle" }, share.weight.toFixed(2)));
   return parts;
 }
 
@@ -107,16 +104,17 @@ function box({ lock, block }, x, y, width, height) {
 // The joint from the side, and over each lock its weight.
 function drawJoint() {
   const { a, b, h, H, locks } = shown.values;
-  const [across, foot, high, tall, left] = [640, 140, 100, 170, 70]; // pixels
+  const across = 640, type = 12 * Math.max(1, across / (at("drawing").clientWidth || across)); // as high in narrow windows
+  const [foot, high, tall, left] = [110 + 2.5 * type, 100, 170, 70]; // pixels
   const scale = Math.min((across - 1.5 * left) / (locks * b), tall / (h + 2 * H));
-  const every = Math.ceil(20 / (scale * b)); // lock has its number
-  const y = (z) => foot + 22 + scale * (h + H - z);
+  const every = Math.ceil((1.7 * type) / (scale * b)); // lock has its number
+  const y = (z) => foot + 1.8 * type + scale * (h + H - z);
   const parts = [0, 0.5, 1].flatMap((weight) => [
     part("path", { d: `M ${left} ${foot - high * weight} h ${scale * locks * b}`, stroke: "#c9ced8" }),
     part("text", { x: left - 6, y: foot - high * weight, "text-anchor": "end", "dominant-baseline": "central" }, weight),
   ]);
-  parts.push(part("text", { x: left - 60, y: foot - high - 24 }, "lock weights"));
-  for (const share of shown.shares) parts.push(...bar(share, left + scale * b * (share.lock - 1), scale * b, foot, high, share.lock % every === 1 || every === 1));
+  parts.push(part("text", { x: left - 60, y: foot - high - 1.5 * type }, "lock weights"));
+  for (const share of shown.shares) parts.push(...bar(share, left + scale * b * (share.lock - 1), scale * b, foot, high, share.lock % every === 1 || every === 1, type));
   for (const piece of shown.pieces) {
     const { low, high: up } = piece;
     parts.push(box(piece, left + scale * low[0], y(up[1]), scale * (up[0] - low[0]), scale * (up[1] - low[1])));
@@ -124,46 +122,12 @@ function drawJoint() {
   const middle = y((h + H) / 2);
   parts.push(part("path", { d: `M ${left - 45} ${middle} h 38 m -7 -5 l 7 5 l -7 5`, fill: "none", stroke: "currentColor", "stroke-width": 2 }));
   parts.push(part("text", { x: left - 60, y: middle, "dominant-baseline": "central" }, "V"));
-  parts.push(part("text", { x: left, y: y(-H) + 20 }, `${locks} locks: a = ${a}, b = ${b}, h = ${h}, H = ${H} mm; ${locks * b} mm long`));
-  at("drawing").setAttribute("viewBox", `0 0 ${across} ${y(-H) + 30}`);
+  parts.push(part("text", { x: left - 60, y: y(-H) + 1.5 * type }, `${locks} locks: a = ${a}, b = ${b}, h = ${h}, H = ${H} mm; ${locks * b} mm long`));
+  at("drawing").setAttribute("viewBox", `0 0 ${across} ${y(-H) + 2.5 * type}`);
+  at("drawing").style.fontSize = `${type}px`;
   const weights = shown.shares.map((share) => `${share.lock}: ${share.weight.toFixed(2)}`).join(", ");
   at("drawing").ariaLabel = `The joint from the side: ${locks} locks, weights ${weights || "unknown"}`;
   at("drawing").replaceChildren(...parts);
 }
 
-// --- two joints ------------------------------------------------------------------------------
-const NAMES = { locks: "n", a: "a", b: "b", h: "h", H: "H", cohesion: "cohesion", friction: "friction", young: "E", pressure: "pressure", one_piece: "upper body" };
-
-// A value as it is read: a number, or the words of a choice.
-const saidOf = (name, { values: given }) => (at(name).options ? at(name).options[given[name]].text : given[name]);
-
-function keep() {
-  const { values: given, words, marks } = shown;
-  kept = { values: given, words, marks, line: { shear: line.shear, torque: line.torque }, name: `${given.locks} locks, ${given.a} × ${given.b} mm` };
-  at("kept").textContent = `Kept: ${words}`;
-  at("forget").hidden = false;
-  drawCurve();
-}
-
-// What the joint on the page has other than the kept one.
-function compare() {
-  if (!kept) return;
-  const other = Object.keys(NAMES).filter((name) => kept.values[name] !== shown.values[name]);
-  const words = other.map((name) => `${NAMES[name]} ${saidOf(name, kept)} → ${saidOf(name, shown)}`).join(", ");
-  at("kept").textContent = `Kept (dashed, grey): ${kept.words}${words ? ` Changed since: ${words}.` : ""}`;
-}
-
-at("keep").addEventListener("click", () => {
-  const whole = () => at("answer").ariaBusy === "false" && at("curve").ariaBusy === "false";
-  if (whole()) keep();
-  else waitingForCurve.push(keep);
-});
-at("forget").addEventListener("click", () => {
-  kept = null;
-  at("kept").textContent = "";
-  at("forget").hidden = true;
-  drawCurve();
-});
-
-listen(changed);
-changed();
+listen(() => {}, changed);

@@ -2,45 +2,149 @@
 
 import base64
 import binascii
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from urllib.parse import urlencode
 
+from werkzeug.exceptions import NotFound
+
+from analysis.explore.comparison import Figure, compared
+from sidmacib.answers.structure import StaticAnswer
+from sidmacib.command.answers import Row
+from sidmacib.command.output import cell
 from sidmacib.command.structure_views import Views
 from sidmacib.command.structures import limit_of, static_of, structure_notes
 from sidmacib.command.verdicts import demanded_rows
+from sidmacib.scene.page import page
 from sidmacib.structure.files.structure_file import demands_of, description_in
 from sidmacib.structure.loads import SupportMotion
 from sidmacib.yaml_text import read_yaml
 
 YAML = (".yaml", ".yml")
+OPENED = "/opened"
+MOST_FILES = 8  # that are remembered
+HERE = Path(__file__).parent
+TEMPLATE, SCRIPT = HERE / "opened.html.j2", HERE / "server.js"
 
 
-def report_of(files: Sequence[Mapping[str, Any]]) -> str:
-    """The page of the structure in ``files``, each a name and data in base64.
+class OpenedFiles:
+    """The structures that were sent last, by number."""
 
-    A YAML file with blocks counts, which may name the others; any other says what it adds to a file
-    of blocks of the same name. Errors of the models; ValueError for files of something else.
+    def __init__(self) -> None:
+        self._found: dict[int, OpenedFile] = {}
+        self._newest = 0
+
+    def opened(self, files: Sequence[Mapping[str, Any]], kept: int) -> str:
+        """The address of the page of ``files``, beside the one with the number ``kept``, if any.
+
+        Errors of the models; ValueError for files of something else.
+        """
+        numbers = []
+        for found in opened_files(files):
+            self._newest += 1
+            numbers.append(self._newest)
+            self._found[self._newest] = found
+        while len(self._found) > MOST_FILES:
+            self._found.pop(next(iter(self._found)))
+        *others, number = numbers
+        query = {"file": number, "kept": (*others, kept)[0]}
+        return f"{OPENED}?{urlencode({name: each for name, each in query.items() if each})}"
+
+    def page(self, query: Mapping[str, str]) -> str:
+        """The page of a file, beside one that is kept; `NotFound` if they are not remembered."""
+        number, kept = query.get("file", ""), query.get("kept", "")
+        files = {str(each): found for each, found in [*self._found.items()]}
+        if number not in files or (kept and kept not in files):
+            raise NotFound("This file is no longer in memory; open it again at /structures.")
+        words = {"number": number, "kept_number": kept, "server": SCRIPT.read_text()}
+        return files[number].page(files.get(kept), words)
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedFile:
+    """A structure that was sent, what models say of it, and which load counts.
+
+    ``name``: of its file; ``rows``: the table that the command prints.
+    """
+
+    name: str
+    description: Any
+    views: Views
+    rows: Sequence[Row]
+    counts: str | None
+
+    def page(self, kept: "OpenedFile | None", words: Mapping[str, Any]) -> str:
+        """The command's page, beside the file that is ``kept``, if one is.
+
+        ``words``: those that the page has beyond the command's.
+        """
+        data, own = self.views.content(self.rows, f"multilock assembly {self.name}")
+        shown: dict[str, Any] = {"kept": kept and kept.views, "comparison": []}
+        if kept is not None:
+            data["structures"] += kept.views.content(kept.rows, "")[0]["structures"]
+            lines = compared((self._told(), kept._told()), (self._carried(), kept._carried()))
+            shown["comparison"] = [[cell(value) for value in line] for line in lines]
+        return page(data, {**own, **words, **shown}, TEMPLATE)
+
+    def _told(self) -> dict[str, Figure]:
+        return dict(_leaves(self.description))
+
+    def _carried(self) -> dict[str, Figure]:
+        told: dict[str, Figure] = {"load that counts": self.counts}
+        for row in self.rows:
+            loads = {name: each for name, each in row.items() if not name.startswith("mesh error")}
+            numbers = {name: each for name, each in loads.items() if isinstance(each, float)}
+            told |= {f"{row['model']}: {name}": each for name, each in numbers.items()}
+        return told
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Figure]]:
+    """The values of a description by their keys; a list in a line."""
+    if isinstance(value, Mapping):
+        for key, each in value.items():
+            yield from _leaves(each, f"{name}.{key}" if name else str(key))
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield name, float(value)
+    else:
+        yield name, str(value)
+
+
+def opened_files(files: Sequence[Mapping[str, Any]]) -> list[OpenedFile]:
+    """The structures in ``files``, each a name and data in base64; one, or two to compare.
+
+    YAML files with blocks count, which may name the others; if there are none, files of blocks,
+    to which a YAML file of the same name says what they lack. Errors of the models; ValueError for
+    files of something else.
     """
     with TemporaryDirectory() as folder:
         paths = [_written(each, Path(folder)) for each in files]
         if not paths:
             raise ValueError("no file was sent")
-        path = _main(paths)
-        description = description_in(path)
-        demand = demands_of(description, path.parent)[0]
-        if demand.case is not None or not demand.raises:
-            raise ValueError("load: missing; load_cases, or none, are for multilock assembly only")
-        problem = demand.problem
-        if isinstance(problem.loads, SupportMotion):
-            raise ValueError("load.support: is for multilock assembly only; use another load here")
-        notes = structure_notes(problem, description)
-        limit, static = limit_of(problem), static_of(problem)
-        rows, found = demanded_rows(demand, limit, static)
-        verdict = "" if found is None else str(found)
-        views = Views.of(path, description, problem, limit, static, notes, verdict)
-        return views.page(rows, f"multilock assembly {path.name}")
+        found = _main(paths)
+        if len(found) > 2:
+            names = ", ".join(path.name for path in found)
+            raise ValueError(f"at most two structures are compared, not {len(found)}: {names}")
+        return [_opened(path) for path in found]
+
+
+def _opened(path: Path) -> OpenedFile:
+    description = description_in(path)
+    demand = demands_of(description, path.parent)[0]
+    if demand.case is not None or not demand.raises:
+        raise ValueError("load: missing; load_cases, or none, are for multilock assembly only")
+    problem = demand.problem
+    if isinstance(problem.loads, SupportMotion):
+        raise ValueError("load.support: is for multilock assembly only; use another load here")
+    notes = structure_notes(problem, description)
+    limit, static = limit_of(problem), static_of(problem)
+    rows, found = demanded_rows(demand, limit, static)
+    verdict = "" if found is None else str(found)
+    views = Views.of(path, description, problem, limit, static, notes, verdict)
+    counts = static.counts.name if isinstance(static, StaticAnswer) else None
+    return OpenedFile(path.name, description, views, rows, counts)
 
 
 def _written(file: Mapping[str, Any], folder: Path) -> Path:
@@ -57,12 +161,14 @@ def _written(file: Mapping[str, Any], folder: Path) -> Path:
     return path
 
 
-def _main(paths: Sequence[Path]) -> Path:
-    """The file that has the blocks."""
-    for path in paths:
-        if path.suffix.lower() in YAML:
-            given = read_yaml(path)
-            if len(paths) == 1 or (isinstance(given, dict) and "blocks" in given):
-                return path
-    others = [path for path in paths if path.suffix.lower() not in YAML]
-    return (others or paths)[0]
+def _main(paths: Sequence[Path]) -> list[Path]:
+    """The files that have the blocks."""
+    lists = [path for path in paths if path.suffix.lower() in YAML]
+    with_blocks = [path for path in lists if _has_blocks(path)]
+    others = [path for path in paths if path not in lists]
+    return with_blocks or others or lists[:1]
+
+
+def _has_blocks(path: Path) -> bool:
+    given = read_yaml(path)
+    return isinstance(given, dict) and "blocks" in given

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from analysis.drawing import boxes, label_of
+from analysis.explore.comparison import Figure
 from analysis.explore.state import SLIDERS, Settings
 from sidmacib.answers.joint import joint_answer, meshes, quick_path
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS
@@ -66,11 +67,12 @@ class Answers:
 
 @dataclass(frozen=True)
 class Counted:
-    """V (N) of the load that counts, its legend, and a sentence where others were found."""
+    """V (N) of the load that counts, its legend, a sentence where others were found, and why."""
 
     shear: float | None = None
     legend: str = ""
     words: str = ""
+    why: str | None = None
 
 
 @lru_cache(maxsize=512)
@@ -111,9 +113,11 @@ def which_counts(state: Settings) -> Counted:
         return Counted()
     shear = found.load * loading.direction.shear
     if not (spread := 100.0 * found.solution.spread):
-        return Counted(shear, f" (no lower peak found at {state.eccentricity:g} a)")
+        legend = f" (no lower peak found at {state.eccentricity:g} a)"
+        return Counted(shear, legend, why=found.why)
     words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
-    return Counted(shear, f" (spread {spread:.1f} % at {state.eccentricity:g} a)", words)
+    legend = f" (spread {spread:.1f} % at {state.eccentricity:g} a)"
+    return Counted(shear, legend, words, found.why)
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:
@@ -156,6 +160,28 @@ def answers(state: Settings) -> Answers:
     return Answers(found, rules, words)
 
 
+def results(state: Settings, found: Answers, counted: Counted | None = None) -> dict[str, Figure]:
+    """What a joint carries, by names; ``counted``: None if not known yet."""
+    rules = {_mark(name): rule for name, rule in found.rules.items()}
+    told: dict[str, Figure] = {
+        f"{name}: V (N)": None if load is None else load.shear
+        for name, load in {_curve(state): found.peak, **rules}.items()
+    }
+    told[f"{_curve(state)}: M (N m)"] = None if found.peak is None else found.peak.torque
+    if counted is not None and counted.why is not None:
+        told |= {"load that counts": counted.why, "load that counts: V (N)": counted.shear}
+    return {**told, "strength of a lock T0 (N)": state.joint.T0}
+
+
+def _curve(state: Settings) -> str:
+    of = ("peak", "static") if state.joint.elastic is None else ("first failure", "law")
+    return f"{of[0]}, {label_of(of[1]).name}"
+
+
+def _mark(name: str) -> str:
+    return f"first failure, {label_of(name).name}" if name == "law" else label_of(name).name
+
+
 def ratios(state: Settings) -> tuple[float, ...]:
     """The directions of the curve, e / a: the chosen one among them."""
     return tuple(sorted({*VM_RATIOS, state.eccentricity}))
@@ -164,17 +190,16 @@ def ratios(state: Settings) -> tuple[float, ...]:
 def pictures(state: Settings, results: Answers) -> dict[str, Any]:
     """Drawings of the page: points in the V-M plane, weights, the joint from the side (mm)."""
     name = "static" if state.joint.elastic is None else "law"
-    kind = "peak" if state.joint.elastic is None else "first failure"
     return {
         "curve": {
-            "name": f"{kind}, {label_of(name).name}",
+            "name": _curve(state),
             "colour": label_of(name).colour,
             "shear": [results.peak.shear] if results.peak else [],
             "torque": [results.peak.torque] if results.peak else [],
         },
         "marks": [
             {
-                "name": "first failure, law" if name == "law" else label_of(name).name,
+                "name": _mark(name),
                 "colour": label_of(name).colour,
                 "symbol": SYMBOLS[name],
                 "shear": rule.shear,

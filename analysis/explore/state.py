@@ -1,9 +1,9 @@
 """The joint on the page: its sliders, and the same joint as a configuration, Python and a link."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
 from sidmacib.joint import INNER, HoldDown, Joint, UpperBody
@@ -11,6 +11,7 @@ from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_paramet
 
 FIRST = Joint(5)
 MOST_NAMES = 40  # in a link
+KEPT = "kept"  # in a link: the query of what is kept for comparison
 SHORT = 24  # letters of a value or a name in a note
 
 
@@ -91,16 +92,56 @@ class Settings:
         """The value of each slider."""
         return {name: float(value) for name, value in asdict(self).items()}
 
+    @property
+    def name(self) -> str:
+        """The joint in a legend."""
+        return f"{self.locks} locks, {self.a:g} \N{MULTIPLICATION SIGN} {self.b:g} mm"
+
+    @property
+    def told(self) -> dict[str, float | str]:
+        """The values by the labels of their sliders; choices in words."""
+        of = {slider.words: (slider.choices, self.values[name]) for name, slider in SLIDERS.items()}
+        return {
+            words: choices[int(value)] if choices else value
+            for words, (choices, value) in of.items()
+        }
+
+    @property
+    def query(self) -> str:
+        """The query of a link: the settings that differ from the default."""
+        first = Settings().values
+        return urlencode({k: f"{v:g}" for k, v in self.values.items() if v != first[k]})
+
 
 State = TypeVar("State")
 
 
 @dataclass(frozen=True)
 class Checked(Generic[State]):
-    """The state that answers a request, and a note for each value that had to be changed."""
+    """The state that answers a request, and a note for each value that had to be changed.
+
+    ``kept``: what it is compared with, if anything is.
+    """
 
     state: State
     notes: tuple[str, ...]
+    kept: State | None = None
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """The state, and the one that is kept, if there is one."""
+        return (self.state,) if self.kept is None else (self.state, self.kept)
+
+
+Read = Callable[[Mapping[str, object]], Checked[State]]
+
+
+class Linked(Protocol):
+    """A state that a link brings back."""
+
+    @property
+    def query(self) -> str:
+        """The query of that link."""
 
 
 def checked(given: Mapping[str, object]) -> Checked[Settings]:
@@ -156,18 +197,27 @@ def in_note(value: object) -> str:
     return f"'{text}'" if len(text) <= SHORT else f"'{text[:SHORT]}…'"
 
 
-def as_query(state: Settings) -> str:
-    """The query of a link: the settings that differ from the default."""
-    first = Settings().values
-    return urlencode({k: f"{v:g}" for k, v in state.values.items() if v != first[k]})
+def query_of(shown: Linked, kept: Linked | None) -> str:
+    """The query of a link to what is shown, beside what is ``kept``."""
+    beside = "" if kept is None else urlencode({KEPT: kept.query})
+    return "&".join(filter(None, (shown.query, beside)))
 
 
-def from_query(query: str) -> Checked[Settings]:
-    """The settings in the query of a link."""
+def from_query(query: str, read: Read[State]) -> Checked[State]:
+    """What the query of a link shows and keeps; ``read``: as for values that are posted."""
     try:
-        return checked(in_query(query))
+        given = in_query(query)
+        kept = given.pop(KEPT, None)
+        return beside(read(given), None if kept is None else read(in_query(kept)))
     except ValueError as error:
-        return Checked(Settings(), (str(error),))
+        return Checked(read({}).state, (str(error),))
+
+
+def beside(found: Checked[State], kept: Checked[State] | None) -> Checked[State]:
+    """What was ``found``, beside what is ``kept``."""
+    if kept is None:
+        return found
+    return Checked(found.state, (*found.notes, *(f"Kept: {n}" for n in kept.notes)), kept.state)
 
 
 def in_query(query: str) -> dict[str, str]:

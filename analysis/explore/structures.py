@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing import label_of
+from analysis.explore.comparison import Figure
 from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
 from analysis.report import json_value
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
@@ -45,13 +46,11 @@ STAGES = (limit, static)  # what an answer needs, in this order
 
 def structure_answer(chosen: Chosen) -> dict[str, Any]:
     """Content of the page: rows of models, and blocks and interfaces of the one that is drawn."""
-    records = {"limit": limit(same(chosen)), "static": static(same(chosen))}
-    table = structures_table([*records.values()])
-    rows = {row["model"]: row for row in _plain(table)}
-    drawn, problem = records[chosen.model], structure_of(chosen.description)
+    rows, drawn = _rows(chosen), {"limit": limit, "static": static}[chosen.model](same(chosen))
+    problem = structure_of(chosen.description)
     return {
         "words": _words(chosen, rows),
-        "unit": "tilt (°)" if EXAMPLES[chosen.example].tilts else "load (N)",
+        "unit": _unit(chosen),
         "lines": _lines(rows),
         "row": rows[chosen.model],
         "shape": _shape(chosen.example, dict(chosen.values).get("locks")),
@@ -61,6 +60,27 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
         "interfaces": _plain(interfaces_table([drawn])),
         "yaml": chosen.text,
     }
+
+
+def carried(chosen: Chosen) -> tuple[str, dict[str, Figure]]:
+    """What a structure carries: in words, and by names."""
+    rows = _rows(chosen)
+    told: dict[str, Figure] = {}
+    for name, load, share, *_ in _lines(rows):
+        told[f"{name}: {_unit(chosen)}"] = load
+        if share is not None:
+            told[f"{name}: load / weight"] = share
+    return _words(chosen, rows), {**told, "load that counts": rows["static"]["counts"]}
+
+
+def _rows(chosen: Chosen) -> dict[str, dict[str, Any]]:
+    """The row of each model."""
+    table = structures_table([stage(same(chosen)) for stage in STAGES])
+    return {row["model"]: row for row in _plain(table)}
+
+
+def _unit(chosen: Chosen) -> str:
+    return "tilt (°)" if EXAMPLES[chosen.example].tilts else "load (N)"
 
 
 def same(chosen: Chosen) -> Chosen:

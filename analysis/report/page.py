@@ -47,7 +47,7 @@ SCRIPTS_OF_PARTS = {  # each part has a template, too
     "joints": (HERE / "joints.js", HERE / "paths.js"),
     "structures": (DRAWING / "structure.js", HERE / "structures.js"),
 }
-ADDRESS = HERE / "address.js"  # the last one
+ADDRESS = DRAWING / "address.js"  # the last one
 SUMMARIES = ("summary", "structure_summary")
 SECTIONS = {  # of each part, as in its template
     "joints": (
@@ -133,7 +133,7 @@ def content(
         data["answer"] = answer_content(study, tables)
     if structures:
         names += dict.fromkeys(case.subject.structure for case in structures)
-        verdict += structures_verdict(tables["structures"])
+        verdict += structures_verdict(tables["structures"], tables.get("verdicts"))
         if "supports" in tables:
             verdict += supports_verdict(tables["supports"])
         shown |= with_room(tables)

@@ -147,35 +147,6 @@ function drawJoint(path, step) {
   return chart("joint-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: path.sample });
 }
 
-// Play: from rest to the magnified displacements and back, until it is stopped.
-const JOINT_PERIOD = 4000; // ms
-let jointSince = null;
-
-function jointFrame(now) {
-  if (jointSince === null) return;
-  jointSince = jointSince || now;
-  at("joint-scale").value = 50 * (1 - Math.cos((2 * Math.PI * (now - jointSince)) / JOINT_PERIOD));
-  const path = chosenPath();
-  drawJoint(path, chosenStep(path)).then(() => requestAnimationFrame(jointFrame));
-}
-
-function stopJoint() {
-  jointSince = null;
-  at("joint-play").textContent = "Play";
-  at("joint-play").ariaPressed = "false";
-}
-
-function playJoint() {
-  if (jointSince !== null) {
-    stopJoint();
-    return;
-  }
-  jointSince = 0;
-  at("joint-play").textContent = "Stop";
-  at("joint-play").ariaPressed = "true";
-  requestAnimationFrame(jointFrame);
-}
-
 // Further away where the plot is narrower than high.
 function eyeFrom({ clientHeight, clientWidth }) {
   const away = Math.max(1, (1.5 * clientHeight) / clientWidth);
@@ -220,8 +191,7 @@ function startPaths() {
   at("path-mesh").addEventListener("change", choosePath);
   at("path-direction").addEventListener("change", choosePath);
   for (const id of ["path-step", "joint-scale", "joint-body"]) at(id).addEventListener("input", drawPath);
-  at("joint-scale").addEventListener("input", stopJoint);
-  at("joint-play").addEventListener("click", playJoint);
+  player(at("joint-play"), at("joint-scale"), () => drawJoint(chosenPath(), chosenStep(chosenPath())));
   onSample(chooseJoint);
 }
 

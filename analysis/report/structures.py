@@ -10,7 +10,7 @@ import pandas as pd
 
 from analysis.drawing import label_of
 from analysis.report import finding
-from analysis.summary.structures import first_failure, peak
+from analysis.summary.structures import first_failure, peak, verdict_lines
 from analysis.summary.summary import AGREEMENT
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
@@ -90,9 +90,13 @@ def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
     }
 
 
-def structures_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
-    """Findings on the structures of a study."""
-    return [*_carried(table), *_without(table), *_agreement(table), *_limit(table)]
+def structures_verdict(
+    table: pd.DataFrame, verdicts: pd.DataFrame | None = None
+) -> list[dict[str, str]]:
+    """Findings on the structures of a study; ``verdicts``: on the loads that are to be carried."""
+    told = [] if verdicts is None else verdict_lines(verdicts)
+    required = [finding(name, f"{words}.", "good" if yes else "bad") for name, words, yes in told]
+    return [*required, *_carried(table), *_without(table), *_agreement(table), *_limit(table)]
 
 
 def supports_verdict(table: pd.DataFrame) -> list[dict[str, str]]:

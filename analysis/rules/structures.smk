@@ -3,12 +3,15 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
 from workflow.cases import support_cases
 
+DEMANDED = any(case.subject.demands for case in JOBS.structures.values())
+
 
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule structure_tables:
     input:
         records=records_of(StructureSubject.kind),
     output:
+        **({"verdicts": shown("tables/verdicts.csv")} if DEMANDED else {}),
         structures=shown("tables/structures.csv"),
         interfaces=shown("tables/interfaces.csv"),
         blocks=shown("tables/blocks.csv"),
@@ -75,6 +78,7 @@ rule supports:
 rule structure_summary:
     input:
         **(dict(rules.supports.output.items()) if MOVING_SUPPORTS else {}),
+        **({"verdicts": rules.structure_tables.output.verdicts} if DEMANDED else {}),
         structures=rules.structure_tables.output.structures,
     output:
         summary=below("structures.txt"),

@@ -5,17 +5,25 @@ from typing import Any
 
 import pandas as pd
 
+from sidmacib.answers.verdict import Verdict, on_all
 from sidmacib.problem import FIRST_FAILURE
 from workflow.case import REFERENCE
-from workflow.results.tables import STRUCTURES, SUPPORTS, read_table
+from workflow.results.tables import STRUCTURES, SUPPORTS, VERDICTS, read_table
 from workflow.step import Arguments, Files, step
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
 
-def summary(results: str, structures: pd.DataFrame, supports: pd.DataFrame | None = None) -> str:
-    """A block of lines for each structure, load and variant; then of the supports that move."""
+def summary(
+    results: str,
+    structures: pd.DataFrame,
+    supports: pd.DataFrame | None = None,
+    verdicts: pd.DataFrame | None = None,
+) -> str:
+    """Verdicts, a block of lines for each structure, load and variant; then supports that move."""
     lines = ["Structures: load capacity and its ratio to the weight, or the tilt angle"]
+    if verdicts is not None:
+        lines += [f"{name}: {words}" for name, words, _ in verdict_lines(verdicts)]
     for (structure, load, variant), rows in structures.groupby(
         ["structure", "load", "variant"], sort=False
     ):
@@ -29,6 +37,24 @@ def summary(results: str, structures: pd.DataFrame, supports: pd.DataFrame | Non
     return "\n".join([*lines, "", f"Tables: {results}/tables/structures.csv, interfaces.csv,"]) + (
         f" blocks.csv; for ParaView: {results}/structures/vtk\n"
     )
+
+
+def verdict_lines(verdicts: pd.DataFrame) -> Iterator[tuple[str, str, bool]]:
+    """Structure and variant, the verdict on all its loads in words, and whether it is a yes."""
+    for (structure, variant), rows in verdicts.groupby(["structure", "variant"], sort=False):
+        names = [*rows["load"]]
+        found = [
+            Verdict(
+                row["required_N"],
+                bool(row["carried"]),
+                row["verdict"],
+                factor=None if pd.isna(row["factor"]) else row["factor"],
+            )
+            for row in rows.to_dict("records")
+        ]
+        more = "" if variant == REFERENCE else f", {variant}"
+        words = str(found[0]) if len(found) == 1 else on_all(names, found)
+        yield f"{structure}{more}", words, all(each.passes for each in found)
 
 
 def _of_supports(table: pd.DataFrame) -> Iterator[str]:
@@ -101,7 +127,8 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the summary."""
     rows = read_table(STRUCTURES, inputs["structures"])
     supports = read_table(SUPPORTS, inputs["supports"]) if "supports" in inputs else None
-    outputs["summary"].write_text(summary(arguments["results"], rows, supports))
+    verdicts = read_table(VERDICTS, inputs["verdicts"]) if "verdicts" in inputs else None
+    outputs["summary"].write_text(summary(arguments["results"], rows, supports, verdicts))
 
 
 if __name__ == "__main__":

@@ -2,24 +2,33 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import pandas as pd
 
 from sidmacib.answers.structure import counting, without_other_meshes
 from sidmacib.answers.supports import support_answers
+from sidmacib.answers.verdict import Verdict, governing, verdict
 from sidmacib.engines.curve import yade_answer
-from sidmacib.errors import CapacityError
-from sidmacib.models import REFERENCE_MODEL, first_failure_only
+from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures, Problem
 from sidmacib.structure.analysis.rows import most_used
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.loads import SupportMotion
-from workflow.case import StructureSubject
+from workflow.case import CaseId, StructureSubject
 from workflow.results import read_records, rounded_or_none
 from workflow.results.structure_part import StructureRecord
-from workflow.results.tables import BLOCKS, INTERFACES, MOTION, STRUCTURES, SUPPORTS, write_table
+from workflow.results.tables import (
+    BLOCKS,
+    INTERFACES,
+    MOTION,
+    STRUCTURES,
+    SUPPORTS,
+    VERDICTS,
+    write_table,
+)
 from workflow.step import Arguments, FileLists, Files, step
 
 TILTS = {
@@ -29,6 +38,7 @@ TILTS = {
     "failed_load_N": "failed_tilt_degrees",
     "static_load_N": "static_tilt_degrees",
 }
+RAISED = {each.__name__: each for each in (InfeasibleError, NoEquilibriumError, UnboundedError)}
 IDENTITY = ("structure", "load", "variant", "model")
 
 
@@ -95,6 +105,57 @@ def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[
     }
 
 
+@dataclass(frozen=True)
+class _Answer:
+    """What decides of a record with a result, see `sidmacib.answers.verdict`."""
+
+    load: float
+    failures: Failures
+    counts: Counts
+    mesh_error: float | None
+    mode: str | None
+
+    @classmethod
+    def of(cls, record: StructureRecord | None, model: str) -> "_Answer | CapacityError":
+        """Or why there is no result."""
+        if record is None:
+            return CapacityError(f"{MODELS[model].label} is not in the study")
+        if record.load_N is None:
+            words = (record.error or record.refused or "").removeprefix(f"{record.model}: ")
+            return RAISED.get(record.raised or "", CapacityError)(words)
+        part, peak, first = record.part, record.peak_N, record.first_failure_load_N
+        peak = record.load_N if peak is None else peak
+        failures = Failures(peak if first is None else first, peak)
+        counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
+        return cls(record.load_N, failures, counts, part.mesh_error, record.mode)
+
+
+def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
+    """One row for each load that is to be carried, by the static model and limit analysis."""
+    known = {each.id: each for each in records}
+    cases = {each.name: each for each in records if each.part.required_N is not None}
+    groups: dict[tuple[str, str], list[tuple[StructureRecord, Verdict]]] = {}
+    for each in cases.values():
+        static, limit = (
+            _Answer.of(known.get(CaseId(model, each.name)), model)
+            for model in (REFERENCE_MODEL, "limit")
+        )
+        found = verdict(each.part.required_N or 0.0, static, limit)
+        groups.setdefault((each.part.structure, each.variant), []).append((each, found))
+    return VERDICTS.frame(
+        {
+            **{"structure": record.part.structure, "load": record.part.load},
+            **{"variant": record.variant, "required_N": found.newtons, "carried": found.passes},
+            **{"factor": found.factor, "first_failure_factor": found.first},
+            **{"peak_factor": found.peak, "limit_factor": found.limit},
+            **{"governs": number == first, "verdict": found.reasons},
+        }
+        for group in groups.values()
+        for first in [governing([found for _, found in group])]
+        for number, (record, found) in enumerate(group)
+    )
+
+
 def interfaces_table(records: Iterable[StructureRecord]) -> pd.DataFrame:
     """One row for each interface of each case that gives forces."""
     rows = [
@@ -128,6 +189,8 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     found = {record.id: record for record in read_records(inputs["records"])}
     records = [found[model, name] for model, name in arguments["cases"]]  # type: ignore[index]
     write_table(STRUCTURES, structures_table(records), outputs["structures"])
+    if "verdicts" in outputs:
+        write_table(VERDICTS, verdicts_table(records), outputs["verdicts"])
     write_table(INTERFACES, interfaces_table(records), outputs["interfaces"])
     write_table(BLOCKS, blocks_table(records), outputs["blocks"])
 

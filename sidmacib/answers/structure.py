@@ -6,14 +6,17 @@ of how far it still will: it counts only if three meshes agree on it, the third 
 quarter of the size, on which the lowest peak is sought. Otherwise the first failure counts, which
 hardly depends on the mesh.
 
-The model knows no crushing: `sidmacib.answers.verdict` takes that from limit analysis.
+The model knows no crushing: `sidmacib.answers.structure_crushing` adds it.
 """
 
+import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
@@ -23,9 +26,13 @@ from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined
 
+if TYPE_CHECKING:
+    from sidmacib.mechanics.limit import LimitState
+
 HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
 MOST_NODES = 6000  # on cells of a quarter: more take too much time and memory
 SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
+CRUSHING = "crushing"  # the mode where it limits the load
 NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the peak"
 
 
@@ -94,13 +101,21 @@ class _Followed:
     spread: float | None = None
 
 
-def static_answer(problem: Problem) -> StaticAnswer:
+def static_answer(
+    problem: Problem, limit: "LimitState | CapacityError | None" = None
+) -> StaticAnswer:
     """The answer of the static model for a structure, as a `Problem` on the cells of its file.
 
+    ``limit``: of limit analysis, if it is known, which decides where blocks are crushed.
     `CapacityError` if it has none; `NoEquilibriumError` in the words of `DOES_NOT_STAND`.
     """
     with naming_permanent(problem.loads):
-        return _answered(problem)
+        if not crushed_faces(problem.assembly):
+            return _answered(problem)
+        # Imported here, as following a path loads no solver of programmes.
+        crushing = importlib.import_module("sidmacib.answers.structure_crushing")
+        answer: StaticAnswer = crushing.with_crushing(problem, _answered, limit)
+        return answer
 
 
 def _answered(problem: Problem) -> StaticAnswer:
@@ -146,7 +161,7 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> _Fol
     """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
     try:
         if loads.axis is not None:
-            tilt = static_tilt(assembly, Tilt(loads.axis))
+            tilt = static_tilt(assembly, Tilt.of(loads))
             failures = Failures(float(tilt.first_failure), float(tilt.angle))
             return _Followed(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
         found = (lowest_peak if lowest else static_peak)(assembly, loads)

@@ -1,23 +1,50 @@
 """Whether a structure carries a load, and by what factor.
 
 The load that counts in the static model decides. Where that model has no answer limit analysis
-does, which may overestimate, and the words say so. Where blocks have a compressive strength, which
-only limit analysis considers, the lower of both loads decides.
+does, which may overestimate, and the words say so. Both models may be asked here, or have been
+asked by a study.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from sidmacib.answers.structure import StaticAnswer, bond_fails
+from sidmacib.answers.structure import CRUSHING, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.crushing import crushed_faces
+from sidmacib.problem import Counts, Failures
 from sidmacib.quantities import four_digits
 
-if TYPE_CHECKING:  # limit analysis loads solvers of programmes
-    from sidmacib.mechanics.limit import LimitState
 
-    Limit = LimitState | CapacityError
+class Static(Protocol):
+    """What decides of a `sidmacib.answers.structure.StaticAnswer`."""
+
+    @property
+    def load(self) -> float:
+        """The load that counts, N."""
+
+    @property
+    def failures(self) -> Failures:
+        """Of them."""
+
+    @property
+    def counts(self) -> Counts:
+        """Which of them does, and why."""
+
+    @property
+    def mesh_error(self) -> float | None:
+        """Of the load that counts, over it."""
+
+    @property
+    def mode(self) -> str | None:
+        """How it fails."""
+
+
+class Limit(Protocol):
+    """What decides of a `sidmacib.mechanics.limit.LimitState`."""
+
+    @property
+    def load(self) -> float:
+        """The limit load, N."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +74,14 @@ class Verdict:
         return "; ".join(filter(None, (self.words, self.note)))
 
 
-def verdict(newtons: float, static: StaticAnswer | CapacityError, limit: "Limit") -> Verdict:
+def verdict(
+    newtons: float, static: Static | CapacityError, limit: Limit | CapacityError
+) -> Verdict:
     """The verdict on a load of ``newtons``, by the answers of both models."""
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
-    falls = next((e for e in (static, limit) if _falls(e)), None)
-    if isinstance(static, StaticAnswer) and not (falls and crushed_faces(static.assembly)):
+    if not isinstance(static, CapacityError):
         return _by_static(newtons, static, most)
+    falls = next((e for e in (static, limit) if _falls(e)), None)
     if falls is not None:
         return Verdict(newtons, False, _plain(str(falls)), limit=most)
     if isinstance(limit, UnboundedError):
@@ -67,24 +96,32 @@ def verdict(newtons: float, static: StaticAnswer | CapacityError, limit: "Limit"
     return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
 
 
-def _by_static(newtons: float, static: StaticAnswer, most: float | None) -> Verdict:
+def _by_static(newtons: float, static: Static, most: float | None) -> Verdict:
     first, peak = static.failures.first / newtons, static.failures.peak / newtons
     factor, error = static.load / newtons, static.mesh_error or 0.0
     factors, notes = f"{peak:.3g}", []
     if bond_fails(static.failures):
         factors = f"{first:.3g} to the first failure, {peak:.3g} to the peak"
+    if bond_fails(static.failures) or static.mode == CRUSHING:
         notes.append(str(static.counts))
     if abs(factor - 1.0) < error * factor:
         notes.append(f"the mesh error of {100.0 * error:.2g} % leaves it open")
-    if most is not None and most < factor and crushed_faces(static.assembly):
-        factors = f"{most:.3g} to the limit with crushing, {factors}"
-        factor, notes = most, ["only limit analysis considers crushing"]
     words = f"{_carries(newtons, passes=factor >= 1.0)} with a factor of {factors}"
     return Verdict(newtons, factor >= 1.0, words, "; ".join(notes), factor, first, peak, most)
 
 
 def _carries(newtons: float, *, passes: bool) -> str:
     return f"it {'carries' if passes else 'does not carry'} {four_digits(newtons)} N"
+
+
+def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> str:
+    """The verdict on several load cases in words; ``names``: of the cases."""
+    lost = [name for name, each in zip(names, verdicts, strict=True) if not each.passes]
+    passed = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} not carried"
+    carried = passed if lost else f"all {len(names)} cases"
+    first = governing(verdicts)
+    words = f"{names[first]} governs: {verdicts[first].reasons}"
+    return f"{'No' if lost else 'Yes'}: {carried}; {words}"
 
 
 def governing(verdicts: Sequence[Verdict]) -> int:

@@ -109,7 +109,7 @@ def _of_load(
     rows: list[Row] = []
     asked = wanted.draws or not wanted.interfaces
     limit = limit_of(problem) if asked or wanted.compas is not None else None
-    static = static_of(problem)
+    static = static_of(problem, limit)
     if asked:
         rows, found = demanded_rows(demand, limit, static)
         if found is not None:

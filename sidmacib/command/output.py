@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ import click
 
 from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve
 from sidmacib.models import MODELS
-from sidmacib.quantities import four_digits
+from sidmacib.quantities import MEASURED_IN, four_digits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,6 +28,12 @@ UNITS = "multilock.units"  # in the context of a command: units of its answer, s
 # Of models, as in the figures of studies.
 COLOURS = {name: model.colour for name, model in MODELS.items()}
 COLOURS |= {"characteristic": ORANGE, "design": VERMILION}
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+_SI = sorted(MEASURED_IN, key=len, reverse=True)  # N m before N
+_MEASURED = re.compile(
+    rf"(?<![\w.])(?P<numbers>{_NUMBER.pattern}|\((?:{_NUMBER.pattern}(?:, )?)+\))"
+    rf" (?P<unit>{'|'.join(map(re.escape, _SI))})(?![\w/²³])"
+)
 BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 
@@ -59,17 +66,39 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
 
 
 def in_asked_units(rows: "Sequence[Row]") -> "Sequence[Row]":
-    """``rows`` in the units that were asked for."""
-    context = click.get_current_context(silent=True)
-    asked = context and context.meta.get(UNITS)
+    """``rows`` in the units that were asked for, their notes too."""
+    asked = _asked_units()
     if not asked:
         return rows
     return [dict(_in_units(key, value, asked) for key, value in row.items()) for row in rows]
 
 
+def in_asked_words(words: str) -> str:
+    """``words`` with numbers and vectors in the units that were asked for, in four digits."""
+    asked = _asked_units()
+
+    def converted(found: re.Match[str]) -> str:
+        if found["unit"] not in asked:
+            return found[0]
+        unit, size = asked[found["unit"]]
+        numbers = _NUMBER.sub(lambda each: four_digits(float(each[0]) / size), found["numbers"])
+        return f"{numbers} {unit}"
+
+    return _MEASURED.sub(converted, words)
+
+
+def _asked_units() -> Mapping[str, tuple[str, float]]:
+    """The unit that was asked for in place of an SI unit, and its size."""
+    context = click.get_current_context(silent=True)
+    found: Mapping[str, tuple[str, float]] = (context and context.meta.get(UNITS)) or {}
+    return found
+
+
 def _in_units(key: str, value: Any, asked: Mapping[str, tuple[str, float]]) -> tuple[str, Any]:
     """A column's name and a value in it, in the unit ``asked`` for in place of the SI unit."""
     name, _, unit = key.removesuffix(")").rpartition(" (")
+    if key == "note":
+        return key, in_asked_words(value)
     if unit not in asked or not key.endswith(")"):
         return key, value
     other, size = asked[unit]
@@ -86,8 +115,11 @@ def cell(value: Any) -> str:
 
 
 def say(words: str, form: str) -> None:
-    """Print ``words`` above a table; beside any other form, on standard error."""
-    click.echo(words, err=form != "table")
+    """Print ``words`` above a table; beside any other form, on standard error.
+
+    In the units that were asked for.
+    """
+    click.echo(in_asked_words(words), err=form != "table")
 
 
 @contextmanager

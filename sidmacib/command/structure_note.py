@@ -13,9 +13,10 @@ import numpy as np
 
 from sidmacib.command.answers import Row
 from sidmacib.command.note import TEMPLATE, signatures, table
-from sidmacib.command.output import cell, in_asked_units, write_text
+from sidmacib.command.output import cell, in_asked_units, in_asked_words, write_text
 from sidmacib.command.structure_views import Views
 from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind
+from sidmacib.mechanics.crushing import crushed_faces, strength_of
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import load_of
 from sidmacib.scene.picture import picture
@@ -89,26 +90,28 @@ def _blocks(views: Views) -> Iterator[str]:
 
 def _laws(faces: Iterable[Face]) -> str:
     """Each law with the number and the area of its interfaces."""
-    count: Counter[tuple[Kind, FaceMaterial]] = Counter()
-    area: dict[tuple[Kind, FaceMaterial], float] = {}
+    count: Counter[tuple[Kind, FaceMaterial, float | None]] = Counter()
+    area: dict[tuple[Kind, FaceMaterial, float | None], float] = {}
     for face in faces:
-        key = face.kind, face.material
+        key = face.kind, face.material, strength_of(face)
         count[key] += 1
         area[key] = area.get(key, 0.0) + face.area
     rows = [
         (
             KINDS.get(kind, str(kind)),
             str(number),
-            f"{area[kind, law]:.4g}",
+            f"{area[kind, law, strength]:.4g}",
             f"{law.friction:.4g}",
             f"{law.cohesion / 1e3:.4g}",
             f"{law.tensile_strength / 1e3:.4g}",
+            "-" if strength is None else f"{strength / 1e6:.4g}",
             f"{law.normal_stiffness / 1e9:.4g}, {law.shear_stiffness / 1e9:.4g}",
         )
-        for (kind, law), number in count.items()
+        for (kind, law, strength), number in count.items()
     ]
     head = (
         *("kind", "number", "area (m²)", "friction", "cohesion (kPa)", "tension (kPa)"),
+        "crushing (MPa)",
         "stiffness normal, shear (GPa/m)",
     )
     return table(head, rows, numeric=True)
@@ -121,10 +124,10 @@ def _answer(views: Views, rows: Sequence[Row]) -> Iterator[str]:
     drawn = views.models[0]
     order = drawn.failing
     if order:
-        told = ", ".join(f"{escape(name)} ({load:.4g})" for name, load in order[:MOST_ROWS])
-        more = f" and {len(order) - MOST_ROWS} others" if len(order) > MOST_ROWS else ""
         unit = "N" if views.problem.loads.axis is None else "degrees"
-        yield f"<p>Order in which bonds fail (at the load in {unit}): {told}{more}.</p>"
+        told = ", ".join(f"{name} ({load:.4g} {unit})" for name, load in order[:MOST_ROWS])
+        more = f" and {len(order) - MOST_ROWS} others" if len(order) > MOST_ROWS else ""
+        yield f"<p>Order in which bonds fail: {escape(in_asked_words(told))}{more}.</p>"
 
 
 def _what(drawn: Drawn) -> str:
@@ -132,7 +135,7 @@ def _what(drawn: Drawn) -> str:
     if drawn.load is None:
         return "no model has an answer"
     name = {"static": "static model", "limit": "limit analysis"}[drawn.model]
-    return f"{name}; {drawn.load_words}"
+    return f"{name}; {in_asked_words(drawn.load_words)}"
 
 
 def _reactions(drawn: Drawn) -> Iterator[str]:
@@ -213,9 +216,13 @@ def _checks(views: Views, rows: Sequence[Row]) -> str:
 def _assumptions(views: Views) -> str:
     faces = views.problem.assembly.faces
     lines = [
-        "Blocks are rigid and do not break or crush; they touch in the interfaces only, with "
-        "Coulomb friction and, where they are not bonded, without tension.",
-        f"Weight acts first and stays. {load_of(views.problem)}.",
+        "Blocks are rigid and do not break; they touch in the interfaces only, with Coulomb "
+        "friction and, where they are not bonded, without tension.",
+        "Where they are pressed they are crushed at the compressive strength of the interface, "
+        "with a rectangular stress block."
+        if crushed_faces(views.problem.assembly)
+        else "They are not crushed.",
+        in_asked_words(f"Weight acts first and stays. {load_of(views.problem)}."),
     ]
     if any(face.kind is Kind.INNER for face in faces):
         lines.append(

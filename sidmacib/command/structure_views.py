@@ -13,7 +13,7 @@ import click
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.answers.structure_words import answer_words, load_words
 from sidmacib.command.answers import Row, reason
-from sidmacib.command.output import cell, draw, in_asked_units, write_text
+from sidmacib.command.output import cell, draw, in_asked_units, in_asked_words, write_text
 from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
@@ -70,7 +70,7 @@ class Views:
             drawn.reverse()
         shape = shape_of(problem.assembly, with_condensed_locks(description, file.parent))
         words = " ".join(f"{each[0].upper()}{each[1:]}." for each in (verdict, answer) if each)
-        return cls(file.stem, problem, words, notes, drawn, shape)
+        return cls(file.stem, problem, in_asked_words(words), notes, drawn, shape)
 
     @property
     def about(self) -> str:
@@ -79,7 +79,8 @@ class Views:
         free = sum(not piece.fixed for piece in assembly.pieces)
         many = f"{free} free and {len(assembly.pieces) - free} fixed blocks"
         weight = f"weight of the free blocks {four_digits(free_weight(assembly))} N"
-        return f"{many}, {len(assembly.faces)} interfaces; {weight}. {load_of(self.problem)}."
+        load = load_of(self.problem)
+        return in_asked_words(f"{many}, {len(assembly.faces)} interfaces; {weight}. {load}.")
 
     def write(
         self, rows: Sequence[Row], report: Path | None, still: Path | None, note: Path | None
@@ -109,8 +110,13 @@ class Views:
 
         ValueError without the package plotly.
         """
+        return page(*self.content(rows, command))
+
+    def content(self, rows: Sequence[Row], command: str) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Data and words of `page`."""
         shown = in_asked_units(rows)
-        data = {
+        structure = {
+            "title": self.title,
             "shape": self.shape,
             "loads": arrows_of(*self.problem),
             "models": [{"name": MODELS[each.model].label, **each.values()} for each in self.models],
@@ -125,7 +131,7 @@ class Views:
             "version": version("multilock"),
             "command": command,
         }
-        return page(data, words)
+        return {"structures": [structure]}, words
 
 
 def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:

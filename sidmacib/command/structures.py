@@ -7,10 +7,11 @@ from sidmacib.answers.structure import StaticAnswer, static_answer
 from sidmacib.answers.structure_limit import assumes, limit_state
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.crushing import crushed_faces, crushing_use
+from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
+from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
@@ -64,10 +65,12 @@ def limit_of(problem: Problem) -> LimitState | CapacityError | None:
         return error
 
 
-def static_of(problem: Problem) -> StaticAnswer | CapacityError:
-    """The answer of the static model, or why it has none."""
+def static_of(
+    problem: Problem, limit: LimitState | CapacityError | None = None
+) -> StaticAnswer | CapacityError:
+    """The answer of the static model, or why it has none; ``limit``: by `limit_of`, if known."""
     try:
-        return static_answer(problem)
+        return static_answer(problem, limit)
     except CapacityError as error:
         return error
 
@@ -82,10 +85,10 @@ def structure_rows(
     ``limit`` and ``static``: by `limit_of` and `static_of` if these were asked before, as either is
     solved once.
     """
-    static = static_of(problem) if static is None else static
-    if problem.loads.axis is not None:
-        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem, static)]
     limit = limit_of(problem) if limit is None else limit
+    static = static_of(problem, limit) if static is None else static
+    if problem.loads.axis is not None:
+        return [*_limit_tilt(problem, Tilt.of(problem.loads)), _static(problem, static)]
     return [*_limits(problem, limit), _static(problem, static)]
 
 
@@ -114,12 +117,20 @@ def _crushed(problem: Problem, limit: LimitState) -> str:
     return f"crushed: {', '.join(names[:MOST])}{others}"
 
 
+def _torque(limit: LimitState) -> str:
+    """That torque limits the load, in words, and the load without that limit."""
+    if limit.untwisted is None:
+        return ""
+    return f"limited by the torque of interfaces ({four_digits(limit.untwisted)} N without)"
+
+
 def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Iterator[Row]:
     if isinstance(limit, CapacityError):
         yield _row(problem, "limit", None, reason(limit))
     elif limit is not None:
         moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
-        note = "; ".join(filter(None, (assumes(problem.assembly), _crushed(problem, limit), moves)))
+        notes = assumes(problem.assembly), _torque(limit), _crushed(problem, limit), moves
+        note = "; ".join(filter(None, notes))
         error = limit_mesh_error(problem, limit.load)
         yield _row(problem, "limit", limit.load, note, error)
         try:
@@ -133,7 +144,8 @@ def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Itera
 def _limit_tilt(problem: Problem, tilt: Tilt) -> Iterator[Row]:
     assembly = problem.assembly
     try:
-        limit = limit_tilt(assembly, tilt)
+        with naming_permanent(problem.loads):
+            limit = limit_tilt(assembly, tilt)
         if limit.mechanism is None:
             note = "in equilibrium at every tilt"
         else:
@@ -156,8 +168,7 @@ def _note(problem: Problem, answer: StaticAnswer) -> str:
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
     rotation = rotation_words(_rotation_effect(problem, answer)) or "small displacements"
-    no = "; no crushing" if crushed_faces(answer.assembly) else ""
-    return f"{answer.counts}{no}; failure mode: {answer.mode}{moves}; {rotation}"
+    return f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
 
 
 def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
@@ -169,7 +180,7 @@ def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
     if loads.axis is None:
         change = rotation_effect(assembly, loads, path, load)
     else:
-        loads = turning(assembly, Tilt(loads.axis), load)
+        loads = turning(assembly, Tilt.of(loads), load)
         change, load = rotation_effect(assembly, loads, path, 0.0), load_of_tilt(load, loads)
     return None if change is None else change / load
 

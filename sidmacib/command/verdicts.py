@@ -7,7 +7,7 @@ import click
 
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.answers.structure_reserve import Reserve, reserve
-from sidmacib.answers.verdict import Verdict, governing, verdict
+from sidmacib.answers.verdict import Verdict, governing, on_all, verdict
 from sidmacib.command.answers import Row
 from sidmacib.command.structures import limit_of, static_of, structure_rows
 from sidmacib.errors import CapacityError, InfeasibleError
@@ -46,7 +46,7 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         assert demand.newtons is not None, "a load case says what is to be carried"
         limit = limit_of(demand.problem)
         assert limit is not None, "no load case tilts a structure"
-        found.append(verdict(demand.newtons, static_of(demand.problem), limit))
+        found.append(verdict(demand.newtons, static_of(demand.problem, limit), limit))
     first = governing(found)
     rows: list[Row] = [
         {
@@ -62,10 +62,8 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         }
         for number, (demand, each) in enumerate(zip(demands, found, strict=True))
     ]
-    passes = all(each.passes for each in found)
-    carried = f"all {len(found)} cases" if passes else _named(demands, found)
-    words = f"{demands[first].case} governs: {found[first].reasons}"
-    return rows, f"{'Yes' if passes else 'No'}: {carried}; {words}", passes
+    words = on_all([str(demand.case) for demand in demands], found)
+    return rows, words, all(each.passes for each in found)
 
 
 def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
@@ -140,11 +138,6 @@ def chosen_case(demands: Sequence[Demand], name: str) -> Demand:
     if name not in names:
         raise refused("--case", name, " or ".join(names))
     return demands[names.index(name)]
-
-
-def _named(demands: Sequence[Demand], found: Sequence[Verdict]) -> str:
-    names = [str(d.case) for d, each in zip(demands, found, strict=True) if not each.passes]
-    return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} not carried"
 
 
 def without_loads(description: Any) -> Any:

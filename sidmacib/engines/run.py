@@ -68,7 +68,7 @@ def engine_outcome(
 def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:
     """The start of the search of ``engine``; None if ``numerics`` or the engine want no guide."""
     wanted = numerics.guided and "guided" in engine.reads
-    return guide_of(*problem) if wanted and not refusal(engine, problem.assembly) else None
+    return guide_of(*problem) if wanted and not refusal(engine, *problem) else None
 
 
 def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
@@ -104,7 +104,7 @@ def run_engine(
     Leaves in ``folder`` the script with all that it needs, the engine's log, and its results.
     Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
-    if reason := refusal(engine, problem.assembly):
+    if reason := refusal(engine, *problem):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
     if isinstance(problem.loads, SupportMotion):
         problem.loads.require_proportional()
@@ -114,8 +114,10 @@ def run_engine(
     execute(engine, folder, time_limit)
 
 
-def refusal(engine: Engine, assembly: Assembly) -> str | None:
-    """Why the engine cannot compute ``assembly``; None if it can."""
+def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> str | None:
+    """Why the engine cannot compute ``assembly``, or ``loads`` on it; None if it can."""
+    if loads is not None and loads.axis is not None and getattr(loads, "beside", None) is not None:
+        return "gravity turns beside other permanent loads; engines turn all permanent loads"
     if reason := _structure_refusal(engine, assembly):
         return reason
     if assembly.failure is Failure.SOFTENING:

@@ -14,16 +14,18 @@ is the rectangular stress block of limit analysis of masonry arches, in both dir
 ARCH'07, Madeira, 2007).
 """
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import numpy as np
 import shapely
 from scipy.sparse import csr_array
 from scipy.spatial import ConvexHull
 
+from sidmacib.errors import UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Face, FaceMaterial, Floats, Integers, Kind
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number
@@ -37,7 +39,9 @@ WAYS = (
     (0.5, 2.0 ** (1 / 3), 14),
     (0.88, 2.0 ** (1 / 2), 10),
 )
+EXCEEDED = 1e-7  # of a limit, by which forces may exceed it
 FLAT = 1e-9  # of planes of the hull through the origin: their distance from it
+Found = TypeVar("Found")
 CompressiveStrength = Annotated[float, Number(above=0, unit="Pa", likely=(1e5, 1e9))]
 
 
@@ -135,13 +139,46 @@ def resultant_rows(assembly: Assembly, number: int, size: float) -> tuple[Intege
     return nodes, np.vstack([np.ones(len(nodes)), places.T / size])
 
 
-def crushing_rows(assembly: Assembly, unit: Floats, load: float) -> tuple[csr_array, Floats] | None:
+class Limited:
+    """The faces whose limit a programme has, as it exceeds it otherwise; ``faces``: their numbers.
+
+    A face has hundreds of rows, and few faces are pressed as much.
+    """
+
+    def __init__(self) -> None:
+        self.faces: set[int] = set()
+
+    def kept(
+        self, assembly: Assembly, answer: Callable[[], Found], force_of: Callable[[Found], Floats]
+    ) -> Found:
+        """What the programme answers when its forces (N), (N, 3), exceed the limit of no face."""
+        every = {number for number, _, _ in crushed_faces(assembly)}
+        while True:
+            try:
+                found = answer()
+                use = crushing_use(assembly, force_of(found)[None, :, 0])
+                more = {number for number, of in use.items() if of[0] > 1.0 + EXCEEDED}
+            except UnboundedError:
+                if self.faces == every:
+                    raise
+                more = every
+            if more <= self.faces:
+                return found
+            self.faces |= more
+
+
+def crushing_rows(
+    assembly: Assembly, unit: Floats, load: float, faces: Collection[int]
+) -> tuple[csr_array, Floats] | None:
     """Limits of pressing node forces in ``unit`` (N), (N,): rows (K, N), and limits, (K,).
 
-    Both in units of a ``load`` (N). None if no face has a compressive strength.
+    Both in units of a ``load`` (N). ``faces``: numbers of those that are limited; None if no such
+    face has a compressive strength.
     """
     rows, limits, columns, counts = [], [], [], []
     for number, face, strength in crushed_faces(assembly):
+        if number not in faces:
+            continue
         blocks = StressBlocks.of(face)
         nodes, sums = resultant_rows(assembly, number, blocks.size)
         rows.append((blocks.normals @ sums * (unit[nodes] / load)).ravel())

@@ -21,7 +21,7 @@ from scipy.sparse import csr_array
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
-from sidmacib.mechanics.crushing import crushing_rows
+from sidmacib.mechanics.crushing import Limited, crushing_rows
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.optimisation import equilibrium_matrix, solve
 from sidmacib.mechanics.polygons import CondensedLocks
@@ -59,13 +59,14 @@ class LimitState:
     exerts on the piece above, in the frame of the face (normal, two tangents). ``mechanism``: how
     the pieces move when the load exceeds its limit, from the multipliers of the equations of
     equilibrium: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Several
-    motions may be possible; this is one of them. ``twisted``: how many faces' torque is limited.
+    motions may be possible; this is one of them. ``untwisted``: the load (N) without limits of
+    torque; None where no face reaches them.
     """
 
     load: float
     force: Floats
     mechanism: Floats
-    twisted: int = 0
+    untwisted: float | None = None
 
 
 def limit_load(
@@ -92,13 +93,20 @@ def limit_load(
             "friction: must be false under a fixed plate, where associated friction has no limit; "
             "or replace the plate by a force"
         )
-    cone = ContactLaw.of(assembly).cone(friction=friction)
-    free = solved(assembly, loads, cone, most=most)
-    return free if not friction else _with_torque_limited(assembly, loads, cone, free, most)
+    cone, limited = ContactLaw.of(assembly).cone(friction=friction), Limited()
+    free = solved(assembly, loads, cone, limited, most=most)
+    if not friction:
+        return free
+    return _with_torque_limited(assembly, loads, cone, limited, free, most)
 
 
 def _with_torque_limited(
-    assembly: Assembly, loads: Loads, cone: Cone, free: LimitState, most: float | None
+    assembly: Assembly,
+    loads: Loads,
+    cone: Cone,
+    limited: Limited,
+    free: LimitState,
+    most: float | None,
 ) -> LimitState:
     """`limit_load` from the state without limits of torque, ``free``."""
     twist = Twist.of(assembly, free.force)
@@ -107,7 +115,7 @@ def _with_torque_limited(
     found, nearer = [free], 0
     while len(found) <= TORQUE_ROUNDS and not _settled(found):
         try:
-            found.append(solved(assembly, loads, cone, twist=twist, most=most))
+            found.append(solved(assembly, loads, cone, limited, twist=twist, most=most))
         except InfeasibleError:
             nearer += 1
             if nearer > NEARER:
@@ -120,7 +128,7 @@ def _with_torque_limited(
     lowest = min(found[-CALM:], key=lambda each: each.load)
     if lowest.load < -FALLS * loads.scale <= free.load:
         raise InfeasibleError(DOES_NOT_STAND)
-    return replace(lowest, twisted=len(twist.motions))
+    return replace(lowest, untwisted=free.load)
 
 
 def _settled(found: Sequence[LimitState]) -> bool:
@@ -133,18 +141,33 @@ def solved(
     assembly: Assembly,
     loads: Loads,
     cone: Cone,
+    limited: Limited,
     *,
     twist: Twist | None = None,
     most: float | None = None,
 ) -> LimitState:
     """One round of `limit_load`, or of `sidmacib.mechanics.sliding`.
 
-    ``cone``: of the nodes. ``twist``: limits of torque, which rounds have.
+    ``cone``: of the nodes. ``limited``: faces that are known to be crushed otherwise, to which
+    others may be added. ``twist``: limits of torque, which rounds have.
     """
     _require_room(assembly)
+    given = assembly, loads, cone, limited, twist, most
+    return limited.kept(assembly, lambda: _solved(*given), lambda state: state.force)
+
+
+def _solved(
+    assembly: Assembly,
+    loads: Loads,
+    cone: Cone,
+    limited: Limited,
+    twist: Twist | None,
+    most: float | None,
+) -> LimitState:
+    """`solved` with the limits of these faces alone."""
     units = _Scales.of(assembly, loads)
     load, s = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
-    constraints = admissible(assembly, loads, cone, load, s, twist=twist)
+    constraints = admissible(assembly, loads, cone, load, s, limited, twist=twist)
     if most is not None:
         constraints.append(load <= most / units.load)
     # In the norm of the areas: the same state however fine the mesh.
@@ -183,11 +206,17 @@ def require_standing(assembly: Assembly, loads: Loads, *, friction: bool = False
     """
     _require_room(assembly)
     share, s = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
-    cone = ContactLaw.of(assembly).cone(friction=friction)
-    # The part of the loads that is carried has a value even where forces do not exist.
-    carried = [*admissible(assembly, loads, cone, 0.0, s, share), share <= 1.0]
-    try:
+    cone, limited = ContactLaw.of(assembly).cone(friction=friction), Limited()
+    node = _Scales.of(assembly, loads).node[:, None]
+
+    def force() -> Floats:
+        # The part of the loads that is carried has a value even where forces do not exist.
+        carried = [*admissible(assembly, loads, cone, 0.0, s, limited, share), share <= 1.0]
         solve(cp.Problem(cp.Maximize(share), carried), WHAT, *ACCURACIES)
+        return np.asarray(node * s.value)
+
+    try:
+        limited.kept(assembly, force, np.asarray)
     except InfeasibleError:  # not even without weight, as a rule wants locks to be pressed
         raise InfeasibleError(DOES_NOT_STAND) from None
     if float(share.value) < 1.0 - SHORT:
@@ -236,6 +265,7 @@ def admissible(
     cone: Cone,
     load: cp.Variable | float,
     s: cp.Variable,
+    limited: Limited,
     permanent: cp.Variable | float = 1.0,
     twist: Twist | None = None,
 ) -> list[cp.Constraint]:
@@ -256,7 +286,7 @@ def admissible(
     The ``cone`` of the nodes gives tau A, mu and sigma A; a node that is not bonded is rough if its
     mu is above 0. Locks are contact points in their place, t1 along them and t2 across. Added are
     limits of torque by a ``twist``, those of a rule for condensed locks, and those of pressed parts
-    of faces by `sidmacib.mechanics.crushing`.
+    of ``limited`` faces by `sidmacib.mechanics.crushing`.
     """
     law, units = ContactLaw.of(assembly), _Scales.of(assembly, loads)
     dry = ~law.cohesive & ~law.locked
@@ -301,18 +331,18 @@ def admissible(
     return [
         *constraints,
         *_of_rules(assembly, units, s_n, s_t),
-        *_of_crushing(assembly, units, s_n, np.where(law.cohesive, sigma, 0.0)),
+        *_of_crushing(assembly, units, limited, s_n, np.where(law.cohesive, sigma, 0.0)),
     ]
 
 
 def _of_crushing(
-    assembly: Assembly, units: _Scales, s_n: cp.Expression, sigma: Floats
+    assembly: Assembly, units: _Scales, limited: Limited, s_n: cp.Expression, sigma: Floats
 ) -> Iterator[cp.Constraint]:
     """Limits of what presses faces; ``sigma``: tensile strengths of the nodes, (N,).
 
     Where bonds pull at one side of a face, more presses the other.
     """
-    found = crushing_rows(assembly, units.node, units.load)
+    found = crushing_rows(assembly, units.node, units.load, limited.faces)
     if found is None:
         return
     rows, limits = found

@@ -79,7 +79,7 @@ def limit_derivatives(
             if _shape(other) != _shape(assembly):
                 raise ValueError(f"{name}: must keep pieces, faces and the number of nodes")
     state = limit_load(assembly, loads, friction=friction)
-    if state.twisted or crushed_faces(assembly):
+    if state.untwisted is not None or crushed_faces(assembly):
         by: dict[str, float | None] = {}
         for name, change in changes.items():
             before, after = (limit_load(*end, friction=friction).load for end in change.ends)

@@ -8,6 +8,7 @@ from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt
+from sidmacib.structure.loads import naming_permanent
 
 
 def solve(problem: Problem) -> Outcome:
@@ -15,7 +16,8 @@ def solve(problem: Problem) -> Outcome:
     assembly, loads = problem
     if loads.axis is None:
         return outcome_of(problem, limit_state(*problem))
-    tilt = limit_tilt(assembly, Tilt(loads.axis))
+    with naming_permanent(loads):
+        tilt = limit_tilt(assembly, Tilt.of(loads))
     state = State(load_of_tilt(tilt.angle, loads))
     return _outcome(problem, state, tilt.angle, tilt.mechanism)
 

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sidmacib.answers.structure import StaticAnswer, bond_fails, static_answer
+from sidmacib.answers.structure import CRUSHING, StaticAnswer, bond_fails, static_answer
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads
 from sidmacib.mechanics.equilibrium import motion_of
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
@@ -61,7 +61,7 @@ def _broken_at(answer: StaticAnswer, loads: Loads) -> dict[int, float]:
         return {}
     if lost := _lost(assembly, answer.path):
         return lost
-    if loads.axis is not None or bond_fails(answer.failures):
+    if loads.axis is not None or bond_fails(answer.failures) or answer.mode == CRUSHING:
         return {}
     found = static_first_failure(assembly, loads)  # the peak is the first failure
     if found.mode is not Mode.BONDS:

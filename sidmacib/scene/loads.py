@@ -22,13 +22,19 @@ def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> di
     place of a load that is raised; ``variable`` then has weights in N; None otherwise. With a
     ``load`` (N), all forces are those under this load, in N.
     """
+    most = float(np.abs(loads.permanent).max())
     if loads.axis is not None:
-        weights = weight_of_free(assembly) if load is None else loads.at(load)
-        return {"variable": [*_arrows(assembly, weights)], "permanent": [], "axis": [*loads.axis]}
+        weights = weight_of_free(assembly)
+        others = loads.permanent - weights
+        weights = weights if load is None else loads.at(load) - others
+        return {
+            "variable": [*_arrows(assembly, weights)],
+            "permanent": [*_arrows(assembly, others, _lever_arms(others), most)],
+            "axis": [*loads.axis],
+        }
     arms = loads.arms if isinstance(loads, PointForce) else None
     variable = (1.0 if load is None else load) * loads.variable
     others = loads.permanent - weight_of_free(assembly)
-    most = float(np.abs(loads.permanent).max())
     return {
         "variable": [*_arrows(assembly, variable, arms)],
         "permanent": [*_arrows(assembly, others, _lever_arms(others), most)],
@@ -46,12 +52,12 @@ def _lever_arms(wrenches: Floats) -> Floats:
 def load_of(problem: Problem) -> str:
     """The load that is raised, in words."""
     found = arrows_of(*problem)
-    if found["axis"] is not None:
-        return f"Load: gravity, turned about the axis {_listed(found['axis'])}"
     loaded, beside = found["variable"], ""
     if found["permanent"]:
         together = np.sum([each["force"] for each in found["permanent"]], axis=0)
         beside = f"; permanent loads beside weight, together {_listed(together.tolist())} N"
+    if found["axis"] is not None:
+        return f"Load: gravity, turned about the axis {_listed(found['axis'])}{beside}"
     if not loaded:
         return f"No load is raised{beside}"
     along = _listed(np.sum([each["force"] for each in loaded], axis=0).tolist())

@@ -9,27 +9,29 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 HERE = Path(__file__).parent
-SCRIPTS = ("chart.js", "parts.js", "structure.js", "report.js")
+SCRIPTS = ("chart.js", "parts.js", "structure.js", "report.js", "address.js")
+TEMPLATE = HERE / "report.html.j2"
 DIGITS = 7  # of numbers that are drawn
 PACKAGE = "plotly.offline"
 
 
-def page(data: Mapping[str, Any], words: Mapping[str, Any]) -> str:
+def page(data: Mapping[str, Any], words: Mapping[str, Any], template: Path = TEMPLATE) -> str:
     """The page as HTML, which needs no network.
 
-    ``data``: ``shape``, ``loads``, and for each of ``models`` its label and the values of `Drawn`;
-    ``words``: of the template. ValueError without the package plotly.
+    ``data``: for each of ``structures`` its ``title``, ``shape``, ``loads``, and for each of
+    ``models`` its label and the values of `Drawn`; those of the first are shown first. ``words``:
+    of the ``template``. ValueError without the package plotly.
     """
     try:
         plotly = importlib.import_module(PACKAGE).get_plotlyjs()
     except ImportError:
         raise ValueError("needs the package plotly: pip install multilock[report]") from None
     environment = Environment(
-        loader=FileSystemLoader(HERE), undefined=StrictUndefined, autoescape=True
+        loader=FileSystemLoader([HERE, template.parent]), undefined=StrictUndefined, autoescape=True
     )
     # Names of blocks may hold anything: nothing in them ends the script that they are in.
     text = json.dumps(_short(data), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
-    return environment.get_template("report.html.j2").render(
+    return environment.get_template(template.name).render(
         data=text,
         plotly=plotly,
         style=(HERE / "report.css").read_text(),

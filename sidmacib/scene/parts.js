@@ -24,6 +24,29 @@ function save(text, type, name) {
   URL.revokeObjectURL(link.href);
 }
 
+// A button that plays a motion: its slider goes to the end and back until the button is pressed again
+// or the slider is moved. `drawn`: draws what the slider says, and returns a promise. Returns what
+// stops it.
+const PERIOD = 4000; // ms, from rest to rest
+function player(button, slider, drawn) {
+  let start = null; // when it was at rest
+  const told = () => Object.assign(button, { textContent: start === null ? "Play" : "Stop", ariaPressed: String(start !== null) });
+  const stop = () => { start = null; told(); };
+  function frame(now) {
+    if (start === null) return;
+    slider.value = 50 * (1 - Math.cos((2 * Math.PI * (now - start)) / PERIOD));
+    drawn().then(() => requestAnimationFrame(frame));
+  }
+  button.addEventListener("click", () => {
+    if (start !== null) return stop();
+    start = performance.now() - (PERIOD * Math.acos(1 - Number(slider.value) / 50)) / (2 * Math.PI);
+    told();
+    return requestAnimationFrame(frame);
+  });
+  slider.addEventListener("input", stop);
+  return stop;
+}
+
 // A point (m) of a piece that moves by a displacement (m) and a small rotation (rad) about its centre.
 function shifted(p, centre, moved, scale) {
   const r = p.map((v, k) => v - centre[k]);

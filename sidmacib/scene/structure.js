@@ -12,7 +12,6 @@ const NUMBERS = 130; // px beside the box around the structure, for the numbers 
 const TURN = 0.25; // rad: the largest rotation that is drawn, as larger ones would distort blocks
 const BELOW = 0.14; // of the plot: room for the scale of colours
 const STEEP = 2.5; // times the height from which flat structures are seen
-const PERIOD = 4000; // ms, from rest to rest
 const APART = 0.6; // how far blocks are drawn from each other at most, see spread()
 const ARROW = 0.8; // of the diagonal of large free blocks: the largest load, and the largest reaction
 const HEAD = 0.25; // of an arrow's length: its head
@@ -30,7 +29,7 @@ const extent = (points) => [0, 1, 2].map((k) => points.reduce(([lo, hi], p) => [
 
 // --- what is drawn ---------------------------------------------------------------------------
 let drawn = null; // what is chosen, prepared for drawing
-let playing = null; // the moment at which the animation began, less what it had gone through
+let stopMotion = null; // ends the animation
 
 // `row`, `ofBlocks`, `ofInterfaces`: rows of the tables of structures, blocks and interfaces.
 // `loads`, `reactions`, `thrust`: see loads.py and sections.py of this folder.
@@ -228,18 +227,18 @@ function arrowTraces({ arrows, moves, factor }, share) {
   const shown = at("structure-loads").checked;
   const few = arrows.filter(({ kind }) => kind === "reaction").length <= MOST_LABELS;
   return Object.entries(ARROWS).flatMap(([kind, color]) => {
-    const lines = newLines(), ends = newLines();
+    const beside = arrows.some((one) => one.kind === kind && one.tail[2] > one.tip[2]) ? "top center" : "bottom center"; // beyond tails
+    const lines = newLines(), ends = newLines(), label = [];
     for (const arrow of shown ? arrows.filter((one) => one.kind === kind) : []) {
       const moved = plus(place(arrow.anchor, moves[arrow.block], share * factor), arrow.anchor, -1);
       const [tail, tip] = [plus(arrow.tail, moved), plus(arrow.tip, moved)];
       addArrow(lines, tail, tip);
       addLine(ends, [tail], arrow.text);
-      ends.label = [...(ends.label || []), few ? arrow.label : "", ""];
+      label.push(few ? arrow.label : "", "");
     }
-    const { label, ...points } = ends;
     return [
       lineTrace(lines, { color, width: 6 }),
-      lineTrace({ ...points, text: label || [], hovertext: points.text }, {}, { mode: "markers+text", textposition: "top center", textfont: { color: "#000000" }, marker: { size: 3, color }, hoverinfo: "text", name: kind }),
+      lineTrace({ ...ends, text: label, hovertext: ends.text }, {}, { mode: "markers+text", textposition: beside, textfont: { color: "#000000" }, marker: { size: 3, color }, hoverinfo: "text", name: kind }),
     ];
   });
 }
@@ -316,34 +315,9 @@ function tellLongest() {
 }
 
 // --- controls --------------------------------------------------------------------------------
-function frame(now) {
-  if (playing === null) return;
-  const gone = ((now - playing) % PERIOD) / PERIOD;
-  at("structure-motion").value = 50 * (1 - Math.cos(2 * Math.PI * gone));
-  drawStructure().then(() => requestAnimationFrame(frame));
-}
-
-function stop() {
-  playing = null;
-  at("structure-play").textContent = "Play";
-  at("structure-play").ariaPressed = "false";
-}
-
-function play() {
-  if (playing !== null) {
-    stop();
-    return;
-  }
-  const share = Number(at("structure-motion").value) / 100;
-  playing = performance.now() - (PERIOD * Math.acos(1 - 2 * share)) / (2 * Math.PI);
-  at("structure-play").textContent = "Stop";
-  at("structure-play").ariaPressed = "true";
-  requestAnimationFrame(frame);
-}
-
 // Draw what is prepared, at rest.
 function showStructure(prepared) {
-  stop();
+  stopMotion();
   drawn = prepared;
   at("structure-motion").value = 0;
   at("structure-plot").hidden = !drawn.shape;
@@ -355,8 +329,7 @@ function showStructure(prepared) {
 
 function startDrawing() {
   fill(at("structure-view"), Object.keys(VIEWS), "from the left");
-  at("structure-motion").addEventListener("input", () => { stop(); drawStructure(); });
-  at("structure-apart").addEventListener("input", drawStructure);
+  for (const part of ["motion", "apart"]) at(`structure-${part}`).addEventListener("input", drawStructure);
   for (const part of ["view", "blocks", "forces", "loads", "thrust"]) at(`structure-${part}`).addEventListener("change", drawStructure);
-  at("structure-play").addEventListener("click", play);
+  stopMotion = player(at("structure-play"), at("structure-motion"), drawStructure);
 }

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import shapely
@@ -15,6 +15,8 @@ from sidmacib.validation import refused
 
 NEAR = 1e-6  # over the mean size of the blocks: how far faces in one plane may be apart
 EDGE = 1e-3  # likewise, at the most: regions that are narrower are edges
+LEAST = 1e-3  # over the square of the blocks' mean size: less area does not matter
+STEP = 3.0  # times a gap: a larger one is meant
 ALONG = 0.9  # least cosine between the normals of faces that touch
 
 
@@ -51,10 +53,14 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
     A pair of fixed blocks has none. ValueError, with their names, for blocks that overlap by more,
     and for a free block that touches nothing.
     """
-    size = mean_size(blocks)
     if near > EDGE and near > (most := most_near(blocks)):
-        raise refused("tolerance", near, f"at most {most:.2g}, half the thinnest block")
-    require_apart(blocks, near * size, size)
+        raise refused("tolerance", near, f"at most {_down(most)}, half the thinnest block")
+
+    def remedy(gap: float) -> str:
+        wide = proposed(blocks, gap)
+        return "" if wide is None else f"; tolerance: {wide} takes them as touching"
+
+    require_apart(blocks, near * mean_size(blocks), remedy)
     found = touching(blocks, near)
     touched = {end for each in found for end in (each.below, each.above)}
     for number, block in enumerate(blocks):
@@ -74,8 +80,33 @@ def _nearest(blocks: Sequence[Block], number: int) -> str:
     ]
     if not near:
         return "no face that looks at one of its own is near"
-    gap = min(near)
-    return f"the nearest is {gap:.2g} m away; tolerance: {tolerance_for(gap, size)} takes it"
+    return (
+        f"the nearest is {min(near):.2g} m away; tolerance: {proposed(blocks, min(near))} takes it"
+    )
+
+
+def proposed(blocks: Sequence[Block], gap: float) -> float | None:
+    """The tolerance that takes a ``gap`` (m), and all that are of its kind; None if none does."""
+    size, most = mean_size(blocks), max(EDGE, most_near(blocks))
+    if gap > most * size:
+        return None
+    gaps = [
+        abs(apart)
+        for apart, each in close(blocks, most * size)
+        if abs(apart) > gap and each.outline.area > LEAST * size**2
+    ]
+    return min(tolerance_for(next_step([gap, *sorted(gaps)]), size), _down(most))
+
+
+def next_step(gaps: Sequence[float]) -> float:
+    """The last of sorted ``gaps`` before one that is several times as large."""
+    return next((gap for gap, after in pairwise(gaps) if after > STEP * gap), gaps[-1])
+
+
+def _down(value: float) -> float:
+    """A positive ``value``, rounded down to two digits."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.floor(value / digit) * digit:.2g}")
 
 
 def _require_once(blocks: Sequence[Block], found: Sequence[Interface], near: float) -> None:

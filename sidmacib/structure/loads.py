@@ -66,6 +66,21 @@ class StructureLoads(Loads):
 
 
 @dataclass(frozen=True)
+class Tilting(StructureLoads):
+    """Gravity that turns. ``beside``: permanent forces (N) and moments that do not, (P, 6)."""
+
+    beside: Floats | None = None
+
+    def at(self, load: float) -> Floats:
+        """As `Loads.at`, but that what is ``beside`` weight stays."""
+        if self.beside is None:
+            return super().at(load)
+        return replace(self, permanent=self.permanent - self.beside, beside=None).at(load) + (
+            self.beside
+        )
+
+
+@dataclass(frozen=True)
 class PointForce(StructureLoads):
     """A force at a point that moves with its piece.
 

@@ -1,7 +1,7 @@
 """Whether blocks overlap: convex ones if no plane parts them, others by the volume they share."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol, TypeVar
 
 import manifold3d
@@ -12,6 +12,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.blocks import Block
 
 WIDEST = 0.1  # largest tolerance, over the mean size of the blocks
+MOST_SHARED = 0.5  # of a block's volume, as no tolerance is above half of the thinnest block
 PARALLEL = 1e-6  # least length of the cross product of two unit vectors that gives a direction
 
 
@@ -38,26 +39,30 @@ class Convex(Protocol):
 _Convex = TypeVar("_Convex", bound=Convex)
 
 
-def require_apart(blocks: Sequence[Block], near: float, size: float) -> None:
-    """ValueError, with their names, for two blocks that overlap by more than ``near`` (m).
+def require_apart(blocks: Sequence[Block], near: float, remedy: Callable[[float], str]) -> None:
+    """ValueError for blocks that overlap by more than ``near`` (m), with those that do most.
 
     Pairs of fixed blocks may overlap. Blocks that are not convex overlap if the volume that they
-    share is more than a layer of that thickness on the smaller one. ``size`` (m): of blocks, which
-    the tolerance is over.
+    share is more than a layer of that thickness on the smaller one, or than half of that.
+    ``remedy``: what takes an overlap (m) as touching, in words, if anything does.
     """
+    most, words, count = near, "", 0
     for one, other in candidates(blocks, near):
         if one.reentrant is None and other.reentrant is None:
             depth = overlap(one, other, near)
-            words = f"{depth:.3g} m"
+            amount = f"{depth:.3g} m"
         else:
             surface = min(_surface(one), _surface(other))
             volume = shared_volume(one, other, near * surface)
-            depth, words = volume / surface, f"{volume:.3g} m3"
-        if depth > near:
-            remedy = ""
-            if depth <= WIDEST * size:
-                remedy = f"; tolerance: {tolerance_for(depth, size)} takes them as touching"
-            raise ValueError(f"blocks: {one.name} and {other.name} overlap by {words}{remedy}")
+            depth, amount = volume / surface, f"{volume:.3g} m3"
+            if volume > MOST_SHARED * min(one.volume, other.volume):
+                depth = math.inf
+        count += depth > near
+        if depth > most:
+            most, words = depth, f"{one.name} and {other.name} overlap by {amount}"
+    if words:
+        pairs = f", the most of {count} pairs" if count > 1 else ""
+        raise ValueError(f"blocks: {words}{pairs}{remedy(most)}")
 
 
 def tolerance_for(gap: float, size: float) -> float:

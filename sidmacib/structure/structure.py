@@ -97,6 +97,10 @@ def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]
     ends = np.array([(each.below, each.above) for each in found], np.int64).reshape(-1, 2)
     group = grouped(len(pieces), ends)
     held = {group[number] for number, piece in enumerate(pieces) if piece.fixed}
+    if not held:
+        raise ValueError(
+            "blocks: none is fixed; name those that cannot move: --fixed, --fixed-below"
+        )
     loose = [piece.name for piece, of in zip(pieces, group, strict=True) if of not in held]
     if loose:
         others = f" and {len(loose) - 3} others" if len(loose) > 3 else ""

@@ -3,22 +3,19 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
-from itertools import pairwise
 
 from sidmacib.joint.parameters import beyond, material_warnings
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number
 from sidmacib.structure.blocks import Block, solids_of
-from sidmacib.structure.interfaces import NEAR, close, mean_size, most_near
+from sidmacib.structure.interfaces import LEAST, NEAR, close, mean_size, most_near, next_step
 from sidmacib.structure.overlaps import tolerance_for
 
 BLOCK = Number(unit="m", likely=(1e-3, 50.0))  # diagonal of a block
 DENSITY = Number(unit="kg/m3", likely=(100.0, 3e4))  # below are kN/m3 and t/m3
 MOST = 5  # lines: where one block is in another unit, all are
-LEAST = 1e-3  # over the square of the blocks' mean size: less area does not matter
 NEARLY = 0.01  # over the blocks' mean size: larger gaps are meant, as a rule
-STEP = 3.0  # times a gap: a larger one is meant
 Pair = tuple[int, int]
 
 
@@ -64,7 +61,7 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
     }
     if not nearly:
         return
-    gap = _next_step(sorted(nearly.values()))
+    gap = next_step(sorted(nearly.values()))
     pairs = [pair for pair, of in nearly.items() if of <= gap]
     area = math.fsum(area for pair in pairs for _, area in apart[pair])
     one, other = (assembly.pieces[number].name for number in pairs[0])
@@ -76,14 +73,6 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
         f"{len(pairs)} more ({area:.3g} m2), such as {one} and {other}, do not, but are up to "
         f"{gap:.2g} m apart; {remedy}"
     )
-
-
-def _next_step(gaps: list[float]) -> float:
-    """The last of sorted ``gaps`` before one that is several times as large."""
-    for gap, after in pairwise(gaps):
-        if after > STEP * gap:
-            return gap
-    return gaps[-1]
 
 
 def _pair(one: int, other: int) -> Pair:

@@ -30,7 +30,7 @@ from sidmacib.structure.analysis.tilt import (
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.rbe import STABLE, UNSTABLE, pyramid_tilt, rbe_verdict
 from studies.structures.samples import ABOUT, AXES, SAMPLES, Sample, fetched, sample_structure
-from studies.structures.shapes import answers
+from studies.structures.shapes import answers, pushed_walls
 
 PUBLISHED = Path(__file__).parent / "published.yaml"
 TYPES = ("type-a", "type-b", "type-c", "type-d")
@@ -54,7 +54,8 @@ def main() -> None:
     results: Path = parser.parse_args().results
     published = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
     samples = fetched(results)
-    _write(results, "shapes", (vars(answer) for answer in answers(published["shapes"])))
+    known = (*answers(published["shapes"]), *pushed_walls(published["shapes"]))
+    _write(results, "shapes", map(vars, known))
     tilts = list(tilt_rows(samples, published["tilts"]))
     _write(results, "tilts", tilts)
     _write(results, "changes", change_rows(samples, tilts))

@@ -15,6 +15,7 @@ WHERE = {
     "whiting": "Whiting 2009",
     "milankovitch": "Milankovitch 1907",
     "stockdale": "Stockdale 2018",
+    "ferris": "linear programme in the plane",
 }
 
 

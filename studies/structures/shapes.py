@@ -14,7 +14,7 @@ from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.structure import structure
 from studies.structures.samples import dry
 
@@ -124,6 +124,45 @@ def wall(courses: int, thickness: float) -> list[Block]:
             name = f"course{course}-{number}"
             blocks.append(box(name, (one, 0.0, low), (other, thickness, high), DENSITY))
     return blocks
+
+
+FULL, HALVES = [1.0] * 4, [0.5, 1.0, 1.0, 1.0, 0.5]
+WINDOW, BESIDE = [0.5, 1.0, -1.0, 1.0, 0.5], [1.0, 0.5, -1.0, 0.5, 1.0]
+# Blocks of each course from the ground up, in lengths of a block; negative: the width of a window.
+PUSHED_WALLS = (
+    [[0.5, *[1.0] * 4, 0.5], [1.0] * 5] * 3,
+    [[0.5, *[1.0] * 4, 0.5], [1.0] * 5] * 5,
+    [FULL, HALVES, FULL, *[WINDOW, BESIDE] * 2, WINDOW, FULL, HALVES, FULL],
+)
+
+
+def pushed_wall(number: int) -> list[Block]:
+    """Wall 1, 2 or 3 of Ferris & Tin-Loi 2001, of blocks 0.4 m long and 0.175 m high."""
+    blocks = [GROUND]
+    for course, row in enumerate(PUSHED_WALLS[number - 1]):
+        ends = 0.4 * np.cumsum(np.abs([0.0, *row]))
+        for place, (width, (one, other)) in enumerate(
+            zip(row, pairwise(ends.tolist()), strict=True)
+        ):
+            if width > 0.0:
+                low, high = (one, 0.0, 0.175 * course), (other, 0.25, 0.175 * (course + 1))
+                blocks.append(box(f"course{course}-{place}", low, high, DENSITY))
+    return blocks
+
+
+def pushed_walls(published: Mapping[str, float]) -> Iterator[KnownResult]:
+    """Walls whose friction resists with and without dilation; ``published``: as of `answers`."""
+    for number in range(1, len(PUSHED_WALLS) + 1):
+        yield _pushed(number, published[f"wall_{number}_pushed_g"])
+
+
+def _pushed(number: int, known: float) -> KnownResult:
+    model = structure(pushed_wall(number), dry(0.65))
+    push = acceleration(model, (1.0, 0.0, 0.0))
+    limit, static = limit_load(model, push, friction=True), static_peak(model, push)
+    name = f"wall {number} of Ferris & Tin-Loi, friction 0.65: horizontal acceleration"
+    loads = limit.load / free_weight(model), static.peak.load / free_weight(model)
+    return KnownResult(name, "g", "ferris", known, *loads)
 
 
 def _tilted(name: str, source: str, known: float, model: Assembly, tilt: Tilt) -> KnownResult:

@@ -24,3 +24,8 @@ def write_counts(path: Path, columns: Sequence[str], rows: Iterable[Sequence[obj
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows(rows)
+
+
+def tables_of(results: Path) -> dict[str, bytes]:
+    """The tables in a results folder, by name: two runs are held against each other."""
+    return {path.name: path.read_bytes() for path in sorted((results / "tables").glob("*.csv"))}

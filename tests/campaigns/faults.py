@@ -16,23 +16,22 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from itertools import cycle
 from pathlib import Path
 
 import yaml
-from campaigns.counts import ROOT, asked, write_counts
-from tables import tables_of
+from campaigns.counts import ROOT, asked, tables_of, write_counts
+from small import COARSE
 
 from sidmacib.engines.scripts.records import RESULT
 from workflow.results import RECORD
 
-STUDY = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.03],
+STUDY = COARSE | {
     "eccentricities": [0, "torsion"],
-    "models": ["static"],
     "dem": {"engines": ["yade"], "time_limit": 60},
     "sidmacib": {"reductions": ["none", "half"]},
 }
@@ -64,7 +63,7 @@ class Campaign:
     folder: Path
     random: random.Random
     kills: int = 4  # processes of one round
-    counts: dict[str, int] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
 
     @property
     def results(self) -> Path:
@@ -103,39 +102,28 @@ class Campaign:
         output, _ = process.communicate(timeout=LONGEST)
         return output
 
-    def tables(self) -> dict[str, bytes]:
-        """The tables that count, by name."""
-        return tables_of(self.results)
-
     def files(self) -> list[Path]:
         """Everything that the study has made, but its lock and what a run says."""
         found = (path for path in self.results.rglob("*") if path.is_file())
         return sorted(path for path in found if path.name != ".lock" and path.suffix != ".log")
-
-    def count(self, kind: str, number: int = 1) -> None:
-        """Count faults of a kind."""
-        self.counts[kind] = self.counts.get(kind, 0) + number
 
 
 # --- faults --------------------------------------------------------------------------------------
 def deleted(campaign: Campaign) -> None:
     """Results that are gone, but the files that an engine leaves beside its records."""
     beside = campaign.results / "cases/yade"
-    files = [
-        path
-        for path in campaign.files()
-        if not path.is_relative_to(beside) or path.name in (RECORD, RESULT)
-    ]
+    kept = (RECORD, RESULT)
+    files = [p for p in campaign.files() if not p.is_relative_to(beside) or p.name in kept]
     for path in campaign.random.sample(files, 6):
         path.unlink()
-        campaign.count("deleted")
+        campaign.counts["deleted"] += 1
 
 
 def full_disk(campaign: Campaign) -> None:
     """A disk on which no file of some size can be written."""
     shutil.rmtree(campaign.results / "tables")
     campaign.finished(campaign.run(limit=campaign.random.choice((100, 1000, 5000, 30000))))
-    campaign.count("full disk")
+    campaign.counts["full disk"] += 1
 
 
 def two_runs(campaign: Campaign) -> None:
@@ -148,7 +136,7 @@ def two_runs(campaign: Campaign) -> None:
     refused = ["another run is using this folder" in each for each in (output, whole)]
     if sum(refused) != 1:
         raise LostError(f"two runs in one folder: {output}")
-    campaign.count("two runs")
+    campaign.counts["two runs"] += 1
 
 
 def killed(campaign: Campaign) -> None:
@@ -162,7 +150,7 @@ def killed(campaign: Campaign) -> None:
             family = descendants(process.pid)
             with suppress(ProcessLookupError):
                 os.kill(campaign.random.choice([process.pid, *family, *family]), signal.SIGKILL)
-                campaign.count("killed")
+                campaign.counts["killed"] += 1
         campaign.finished(process)
 
 
@@ -176,7 +164,7 @@ def read_only(campaign: Campaign) -> None:
     wrong = [path for path in before if path.name != "cases.csv" and not path.exists()]
     if wrong or not process.returncode or len(lines) > 2 or "cannot be written" not in lines[-1]:
         raise LostError(f"read-only results: code {process.returncode}, {wrong}, {lines}")
-    campaign.count("read-only folder")
+    campaign.counts["read-only folder"] += 1
 
 
 @contextmanager
@@ -202,12 +190,10 @@ def bad_engine(campaign: Campaign) -> None:
     output = campaign.finished(campaign.run(YADE_PYTHON=str(program)))
     if "No result" not in output and "WITHOUT A RESULT" not in output:
         raise LostError(f"an engine that {kind} was believed: {output[-2000:]}")
-    campaign.count("bad engine", 2)  # its cases
+    campaign.counts["bad engine"] += 2  # its cases
 
 
-FAULTS: tuple[Callable[[Campaign], None], ...] = (
-    *(deleted, full_disk, read_only, two_runs, killed, bad_engine),
-)
+FAULTS = (deleted, full_disk, read_only, two_runs, killed, bad_engine)
 
 
 # --- what may be left ----------------------------------------------------------------------------
@@ -220,12 +206,10 @@ def descendants(pid: int) -> list[int]:
         except (OSError, ValueError, IndexError):
             continue
         children.setdefault(parent, []).append(int(path.parent.name))
-    found, waiting = [], [pid]
-    while waiting:
-        started = children.get(waiting.pop(), [])
-        found += started
-        waiting += started
-    return found
+    found = [pid]
+    for process in found:  # which grows
+        found += children.get(process, [])
+    return found[1:]
 
 
 def processes_in(folder: Path) -> list[str]:
@@ -260,14 +244,14 @@ def held(campaign: Campaign, fault: Callable[[Campaign], None]) -> None:
 
     Raises `LostError`.
     """
-    expected = campaign.tables()
-    what = f"{fault.__name__}, round after {sum(campaign.counts.values())} faults"
+    expected = tables_of(campaign.results)
+    what = f"{fault.__name__}, round after {campaign.counts.total()} faults"
     fault(campaign)
     process = campaign.run()
     output = campaign.finished(process)
     if process.returncode:
         raise LostError(f"{what}: the next run did not end well: {output[:3000]}")
-    tables = campaign.tables()
+    tables = tables_of(campaign.results)
     for name in sorted(expected.keys() | tables.keys()):
         if expected.get(name) != tables.get(name):
             raise LostError(f"{what}: {name} is another")
@@ -280,11 +264,10 @@ def main() -> None:
     """Run as many faults as asked for, one kind after the other, and write their counts."""
     arguments = asked(__doc__, "faults", 500, "faults.csv")
     with begun(arguments.seed) as campaign:
-        number = 0
-        while sum(campaign.counts.values()) < arguments.number:
-            held(campaign, FAULTS[number % len(FAULTS)])
-            number += 1
-            print(f"{sum(campaign.counts.values())} faults: {campaign.counts}", flush=True)
+        faults = cycle(FAULTS)
+        while campaign.counts.total() < arguments.number:
+            held(campaign, next(faults))
+            print(f"{campaign.counts.total()} faults: {dict(campaign.counts)}", flush=True)
     write_counts(arguments.table, ("kind", "faults"), sorted(campaign.counts.items()))
     print(f"Nothing was lost. Table: {arguments.table}")
 

@@ -30,7 +30,7 @@ from sidmacib.command.main import main as command
 from sidmacib.engines.results import read_outcome
 from sidmacib.engines.scripts.records import HISTORY, NODES, RESULT
 from sidmacib.errors import ResultError
-from sidmacib.mechanics.assembly import Assembly
+from sidmacib.problem import Outcome, Problem
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
 from workflow.case import JointCase
@@ -73,7 +73,6 @@ class Fuzz:
     folder: Path
     random: random.Random
     case: JointCase
-    assembly: Assembly
     engine_files: dict[str, str]
     printed: str
     accepted: Counter[str] = field(default_factory=Counter)
@@ -92,6 +91,16 @@ class Fuzz:
             raise BrokenError(f"{kind}: {error!r}") from error
         else:
             self.accepted[kind] += 1
+
+    def records(self, kind: str, read: Callable[[], tuple[Problem, Outcome]]) -> None:
+        """Have results read: a record that is believed is written, and read as it was."""
+
+        def recorded() -> None:
+            record = record_of(self.case, *read(), {})
+            if JointRecord.from_json(record.to_json()) != record:
+                raise AssertionError("the record is not read as it was written")
+
+        self.holds(kind, recorded, ResultError)
 
     # --- changes at random -----------------------------------------------------------------------
     def cut(self, text: str) -> str:
@@ -131,7 +140,13 @@ def tree(fuzz: Fuzz) -> None:
     for _ in range(fuzz.random.choice((1, 1, 2, 4))):
         changed = fuzz.changed(config)
         config = changed if isinstance(changed, dict) else config
-    fuzz.holds("configuration, values", lambda: _built(config), ConfigError)
+
+    def built() -> None:
+        study = read_study(config)
+        if case_count(study) <= FEW:
+            cases_of(study)
+
+    fuzz.holds("configuration, values", built, ConfigError)
 
 
 def text(fuzz: Fuzz) -> None:
@@ -139,12 +154,6 @@ def text(fuzz: Fuzz) -> None:
     path = fuzz.folder / "study.yaml"
     path.write_bytes(fuzz.cut(SMALL).encode("utf-8", "surrogateescape"))
     fuzz.holds("configuration, text", lambda: read_study_file(path), ConfigError)
-
-
-def _built(config: dict[str, Any]) -> None:
-    study = read_study(config)
-    if case_count(study) <= FEW:
-        cases_of(study)
 
 
 def name(fuzz: Fuzz) -> None:
@@ -163,29 +172,14 @@ def engine(fuzz: Fuzz) -> None:
     text = json.dumps(fuzz.changed(json.loads(whole))) if file == RESULT else whole
     text = fuzz.random.choice((fuzz.cut(whole), text))
     (fuzz.folder / file).write_text(text, encoding="utf-8", errors="surrogateescape")
-    fuzz.holds("engine", lambda: _recorded(fuzz), ResultError)
-
-
-def _recorded(fuzz: Fuzz) -> None:
     problem = fuzz.case.subject.problem()
-    found = read_outcome(fuzz.folder, problem.assembly)
-    _read_again(record_of(fuzz.case, problem, found, {}))
-
-
-def _read_again(record: JointRecord) -> None:
-    """A record that is believed is written, and read as it was."""
-    if JointRecord.from_json(record.to_json()) != record:
-        raise AssertionError("the record is not read as it was written")
+    fuzz.records("engine", lambda: (problem, read_outcome(fuzz.folder, problem.assembly)))
 
 
 def threedec(fuzz: Fuzz) -> None:
     """What 3DEC has printed."""
     text = fuzz.cut(fuzz.printed)
-
-    def read() -> None:
-        _read_again(record_of(fuzz.case, *read_returned(text, fuzz.case), {}))
-
-    fuzz.holds("3DEC", read, ResultError)
+    fuzz.records("3DEC", lambda: read_returned(text, fuzz.case))
 
 
 def words(fuzz: Fuzz) -> None:
@@ -207,10 +201,8 @@ def words(fuzz: Fuzz) -> None:
 def compas(fuzz: Fuzz) -> None:
     """A model of compas_dem or an assembly of compas_cra, as values or as text."""
     given = fuzz.random.choice((model, assembly))()
-    if fuzz.random.random() < 0.5:
-        text = json.dumps(fuzz.changed(given))
-    else:
-        text = fuzz.cut(json.dumps(given))
+    values = fuzz.random.random() < 0.5
+    text = json.dumps(fuzz.changed(given)) if values else fuzz.cut(json.dumps(given))
     path = fuzz.folder / "compas.json"
     path.write_text(text, encoding="utf-8", errors="surrogatepass")
 
@@ -233,10 +225,10 @@ def begun(seed: int) -> Iterator[Fuzz]:
     """The valid inputs that others are made from, in a separate folder."""
     with tempfile.TemporaryDirectory(prefix="multilock-fuzz-") as place:
         folder, case = Path(place), case_of(0.5)
-        assembly = write_engine_files(folder, case)
+        write_engine_files(folder, case)
         files = {file: (folder / file).read_text() for file in (HISTORY, NODES, RESULT)}
         printed = returned(case, json.loads(files[RESULT])["peak_load_N"])
-        yield Fuzz(folder, random.Random(seed), case, assembly, files, printed)
+        yield Fuzz(folder, random.Random(seed), case, files, printed)
 
 
 def tried(fuzz: Fuzz, number: int) -> None:
@@ -254,10 +246,8 @@ def main() -> None:
         for part in range(100):
             tried(fuzz, math.ceil(arguments.number / 100))
             print(f"{part + 1} %", end="\r", flush=True)
-    rows = [
-        (kind, fuzz.accepted[kind], fuzz.refused[kind])
-        for kind in sorted(fuzz.accepted | fuzz.refused)
-    ]
+    kinds = sorted(fuzz.accepted | fuzz.refused)
+    rows = [(kind, fuzz.accepted[kind], fuzz.refused[kind]) for kind in kinds]
     write_counts(arguments.table, ("kind", "accepted", "refused"), rows)
     print(f"\nAn answer or a clear no, every time. Table: {arguments.table}")
 

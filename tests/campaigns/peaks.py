@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from sidmacib import CapacityError, static_peak
 from sidmacib.answers.structure import static_answer
-from sidmacib.errors import CapacityError
-from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import refined

@@ -9,8 +9,6 @@ from the first run is named in build/same.csv.
 
 import argparse
 import hashlib
-import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -19,15 +17,12 @@ from pathlib import Path
 
 import yaml
 from campaigns.counts import ROOT, write_counts
-from kernels import NEEDS, can_run
+from processes import ran
+from small import BOTH, SMALL
+from test_kernels import NEEDS, can_run
 
-STUDY = {
-    "samples": {"n5": {"locks": 5, "dry": {"friction": 0.1}}},
-    "meshes": [0.02],
-    "eccentricities": [0, 0.5, "torsion"],
-    "models": ["static", "limit", "law", "safe"],
-    "dem": {"engines": ["yade", "liggghts"]},
-}
+SAMPLES = {"n5": {"locks": 5, "dry": {"friction": 0.1}}}
+STUDY = SMALL | BOTH | {"samples": SAMPLES, "models": ["static", "limit", "law", "safe"]}
 KINDS = ("tables/*.csv", "figures/*.png", "figures/*.pdf", "cases/*/*/*.csv", "summary.txt")
 
 
@@ -54,8 +49,7 @@ def runs(pythons: list[Path]) -> Iterator[Run]:
 
 def version(python: Path) -> str:
     """What a Python says of itself."""
-    printed = subprocess.run([python, "--version"], capture_output=True, text=True, check=True)
-    return printed.stdout.split()[1]
+    return ran(python, "--version", check=True).stdout.split()[1]
 
 
 def digests(run: Run, folder: Path) -> dict[str, str]:
@@ -63,26 +57,16 @@ def digests(run: Run, folder: Path) -> dict[str, str]:
     study = folder / "study.yaml"
     study.write_text(yaml.safe_dump(STUDY))
     results = folder / "results"
-    ended = subprocess.run(
-        [
-            *(run.python.parent / "snakemake", "--configfile", study, "--cores", run.cores),
-            *("--quiet", "all", "--config", f"results={results}"),
-        ],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT), **run.environment},
-        check=False,
-        capture_output=True,
-        text=True,
-    )
+    options = ("--cores", run.cores, "--quiet", "all", "--config", f"results={results}")
+    command = (run.python.parent / "snakemake", "--configfile", study, *options)
+    ended = ran(*command, PYTHONPATH=str(ROOT), **run.environment)
     if ended.returncode:
         raise SystemExit(f"{run.name}: {ended.stdout[-2000:]}{ended.stderr[-2000:]}")
-    found = sorted(path for kind in KINDS for path in results.glob(kind))
-    contents = {
-        path: path.read_bytes().replace(str(results).encode(), b"results") for path in found
-    }
-    return {
-        str(path.relative_to(results)): hashlib.sha256(contents[path]).hexdigest() for path in found
-    }
+    digests = {}
+    for path in sorted(path for kind in KINDS for path in results.glob(kind)):
+        content = path.read_bytes().replace(str(results).encode(), b"results")
+        digests[str(path.relative_to(results))] = hashlib.sha256(content).hexdigest()
+    return digests
 
 
 def main() -> None:
@@ -97,9 +81,8 @@ def main() -> None:
         with tempfile.TemporaryDirectory(prefix="multilock-same-") as name:
             found = digests(run, Path(name))
         first = first or found
-        other = sorted(
-            path for path in first.keys() | found.keys() if first.get(path) != found.get(path)
-        )
+        every = first.keys() | found.keys()
+        other = sorted(path for path in every if first.get(path) != found.get(path))
         rows.append((run.name, len(found), len(other), " ".join(other)))
         print(f"{run.name}: {len(found)} files, {len(other)} others {' '.join(other)}", flush=True)
     write_counts(arguments.table, ("run", "files", "others", "which"), rows)

@@ -41,7 +41,8 @@ class Record(Generic[Part]):
     length) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one that
     the load does work on). What a model does not give is None or empty. ``refused``: why the model
     cannot do the case, or that it never falls; ``error``: why there is no result, in one line; all
-    numbers are None in both. ``part``: what only joints or only structures have.
+    numbers are None in both, and ``raised`` is the class of what ended a model, see
+    `sidmacib.errors`. ``part``: what only joints or only structures have.
     """
 
     kind: str
@@ -62,6 +63,7 @@ class Record(Generic[Part]):
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
     refused: str | None = None
     error: str | None = None
+    raised: str | None = None
 
     @property
     def id(self) -> CaseId:
@@ -106,11 +108,16 @@ def part_of(kind: str) -> Any:
 
 
 def record_without_result(
-    case: Case[Any], *, refused: str | None = None, error: str | None = None
+    case: Case[Any],
+    *,
+    refused: str | None = None,
+    error: str | None = None,
+    raised: Exception | None = None,
 ) -> Record[Any]:
     """The record of a case that the model refuses, or that ended without a result."""
     part = part_of(case.subject.kind).without_result(case)
-    return _record(case, part, refused=_in_a_line(refused), error=_in_a_line(error))
+    why = {"refused": _in_a_line(refused), "error": _in_a_line(error)}
+    return _record(case, part, **why, raised=raised and type(raised).__name__)
 
 
 def record_of(

@@ -38,7 +38,7 @@ MEANINGS: Mapping[str, str] = {
     "first_failure_load_N": "load at which the first node reaches its strength",
     "load_over_T0": "`load_N` over the strength T0 of a lock",
     "mode": "failure mode: `bonds` break, pieces slide or overturn (`mechanism`, `rocking`), or "
-    "`first failure` if the model stops there",
+    "`first failure` if the model stops there, or blocks are crushed (`crushing`)",
     # how good a result is
     "peak_spread": "the highest of the peaks that the static model found less the lowest, over the "
     "lowest, which is `peak_N`",
@@ -139,6 +139,15 @@ MEANINGS: Mapping[str, str] = {
     "interfaces": "number of interfaces",
     "weight_N": "weight of the blocks that can move",
     "load_over_weight": "`load_N` over `weight_N`",
+    "required_N": "load that is to be carried",
+    "carried": "whether it is carried",
+    "factor": "load that decides over `required_N`: that of the static model, or of limit analysis "
+    "where that model has no answer; empty without an answer, or without a limit",
+    "first_failure_factor": "first failure in the static model over `required_N`",
+    "peak_factor": "peak in the static model over `required_N`",
+    "limit_factor": "load of limit analysis over `required_N`",
+    "governs": "whether it has the lowest factor of the structure's loads",
+    "verdict": "verdict in words",
     "tilt_degrees": "angle by which gravity has turned at the load that counts; "
     "loads in N are empty where it turns",
     "peak_tilt_degrees": "angle at the last equilibrium, whether it counts or not",

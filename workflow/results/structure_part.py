@@ -6,6 +6,7 @@ from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.problem import Outcome
 from sidmacib.quantities import rounded
 from sidmacib.structure.analysis.rows import BlockRow, InterfaceRow, block_rows, interfaces_of
+from sidmacib.structure.files.structure_file import required_of
 from sidmacib.structure.loads import free_weight
 from workflow.case import StructureCase
 from workflow.results import Record
@@ -18,6 +19,7 @@ class StructurePart:
     ``tilts``: whether gravity turns. ``counts``: which load does, the peak or the first failure,
     and ``because`` says why; both are None where the model does not say. ``given_peak_N`` and
     ``given_first_failure_N``: on the cells of the file, where the rest is from smaller ones.
+    ``required_N``: how much of the load is to be carried, if the description says.
     ``mesh_error``: of the load that counts, over it, and ``first_failure_mesh_error``; None where
     no other mesh was solved. ``first_interface``: whose bond fails first.
     """
@@ -28,6 +30,7 @@ class StructurePart:
     counts: str | None = None
     because: str | None = None
     weight_N: float | None = None
+    required_N: float | None = None
     given_peak_N: float | None = None
     given_first_failure_N: float | None = None
     first_interface: str | None = None
@@ -39,8 +42,14 @@ class StructurePart:
 
     @classmethod
     def without_result(cls, case: StructureCase) -> "StructurePart":
-        """The names of ``case``."""
-        return cls(case.subject.structure, case.subject.load)
+        """The names of ``case``, and what is to be carried."""
+        found = cls(case.subject.structure, case.subject.load)
+        if not case.subject.demands:
+            return found
+        try:
+            return replace(found, required_N=required_of(case.subject.description))
+        except ValueError:  # of no structure
+            return found
 
     @classmethod
     def of(
@@ -49,11 +58,12 @@ class StructurePart:
         """The names of ``case``, and what its outcome says."""
         counts, given, errors = outcome.counts, outcome.given, outcome.mesh_errors
         return replace(
-            cls.without_result(case),
+            cls(case.subject.structure, case.subject.load),
             tilts=loads.axis is not None,
             counts=None if counts is None else counts.name,
             because=None if counts is None else counts.why,
             weight_N=rounded(free_weight(assembly)),
+            required_N=required_of(case.subject.description, assembly),
             given_peak_N=given and rounded(given.peak),
             given_first_failure_N=given and rounded(given.first),
             first_interface=next((assembly.faces[face].name for face in outcome.broken_at), None),

@@ -177,6 +177,15 @@ STRUCTURES = Table(
     _STRUCTURE,
     (*_SHARES, "load_over_weight", "nodes", "blocks", "interfaces"),
 )
+VERDICTS = Table(
+    "verdicts",
+    (
+        *("structure", "load", "variant", "required_N", "carried", "factor"),
+        *("first_failure_factor", "peak_factor", "limit_factor", "governs", "verdict"),
+    ),
+    ("structure", "load", "variant"),
+    ("factor", "first_failure_factor", "peak_factor", "limit_factor"),
+)
 INTERFACES = Table(
     "interfaces",
     (

@@ -37,7 +37,7 @@ STUDIES = Path(__file__).parents[2] / "studies"
 
 Campaign = Annotated[str, one_of(sorted(path.parent.name for path in STUDIES.glob("*/rules.smk")))]
 LONGEST = 500  # letters of a source
-LOAD = "load"  # the key of a description
+LOAD, CASES, PERMANENT = "load", "load_cases", "permanent"  # keys of a description
 FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a reference there
 # What the tables of all models depend on; the engines' numerics are not part of it. With further
 # sections it is a study still.
@@ -128,9 +128,9 @@ class StructureSection(Section):
     """A structure of blocks: a ``file`` of `multilock assembly`, or its ``description`` here.
 
     ``file``: beside the configuration. ``models``: which of the study's models and engines analyse
-    it, by default all that can. ``loads``: by name, in place of the load in the description.
-    ``variants``: by name, changes to the description, where null leaves a key out; they run beside
-    the reference variant.
+    it, by default all that can. ``loads``: by name, in place of the load, or the load cases, in the
+    description. ``variants``: by name, changes to the description, where null leaves a key out;
+    they run beside the reference variant.
     """
 
     file: Annotated[str, Some] | None = None
@@ -140,13 +140,36 @@ class StructureSection(Section):
     variants: dict[Name, _Changes] = Field(default_factory=dict)
 
     def described(self) -> Iterator[tuple[str, str, dict[str, object]]]:
-        """Load, variant and description of each case, whatever its model."""
+        """Load, variant and description of each case, whatever its model.
+
+        Loads are those of the study, or else the load cases of the description, or its load.
+        """
+        for variant, whole in self.wholes():
+            always = {key: value for key, value in whole.items() if key != CASES}
+            if self.loads:
+                for name, load in self.loads.items():
+                    yield name, variant, {**always, LOAD: load}
+            elif cases := load_cases(whole):
+                for name, case in cases.items():
+                    load = {key: value for key, value in case.items() if key != PERMANENT}
+                    own = [*always.get(PERMANENT, ()), *case.get(PERMANENT, ())]
+                    yield name, variant, {**always, LOAD: load, **({PERMANENT: own} if own else {})}
+            else:
+                yield LOAD, variant, whole
+
+    def wholes(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Each variant, and its description, with its load or load cases."""
         assert self.description is not None, "a file is read with the configuration"
-        loads = self.loads or {LOAD: {}}
         for variant, changes in {REFERENCE: {}, **self.variants}.items():
-            whole = with_changes(self.description, changes)
-            for name, load in loads.items():
-                yield name, variant, {**whole, LOAD: load} if load else whole
+            yield variant, with_changes(self.description, changes)
+
+
+def load_cases(description: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """The load cases of a ``description`` by name; none of what is not a mapping of mappings."""
+    cases = description.get(CASES)
+    if not isinstance(cases, Mapping) or not all(isinstance(v, Mapping) for v in cases.values()):
+        return {}
+    return {str(name): case for name, case in cases.items()}
 
 
 def with_changes(description: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

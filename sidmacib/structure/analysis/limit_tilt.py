@@ -39,12 +39,13 @@ def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     """The smallest angle above which limit analysis finds no admissible forces in ``assembly``.
 
     Friction is associated. Angles without such forces that are less than 5 degrees apart may be
-    missed where there are bonds or compressive strengths, or where the axis is not horizontal.
+    missed where there are bonds, compressive strengths or permanent loads beside weight, or where
+    the axis is not horizontal.
     `InfeasibleError` if there are no forces before gravity turns; other errors of `limit_load`.
     """
     require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
     strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
-    if tilt.level and not strong and not crushed_faces(assembly):
+    if tilt.level and tilt.beside is None and not strong and not crushed_faces(assembly):
         return _by_sectors(assembly, tilt)
     return _by_scan(assembly, tilt)
 

@@ -1,5 +1,8 @@
 """Gravity that turns: the angle at which a structure that is tilted has no equilibrium.
 
+Other permanent loads stay as they are while gravity turns, as forces between the tilted blocks and
+what is tilted with them do. What is heavy itself, such as a surcharge of earth, is a block.
+
 Gravity turns about a horizontal or any other axis, from straight down, by the right-hand rule. To
 turn a structure about an axis by an angle is to turn gravity by the opposite angle. Blocks weigh
 the same throughout; as everywhere in the models, they are where they were built, so that only
@@ -23,7 +26,7 @@ from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static import INCREMENT, brittle_path
-from sidmacib.structure.loads import free_weight
+from sidmacib.structure.loads import Permanent, Tilting, free_weight
 from sidmacib.validation import refused, require_direction
 
 LARGEST = 180.0  # degrees
@@ -50,16 +53,26 @@ class Motion(StrEnum):
 class Tilt:
     """Gravity that turns about ``axis``, which need not be of unit length.
 
-    ValueError unless the axis has a length and is not vertical.
+    ``beside``: permanent loads that do not turn. ValueError unless the axis has a length and is not
+    vertical.
     """
 
     axis: Vector
+    beside: Permanent | None = None
 
     def __post_init__(self) -> None:
         require_direction(axis=self.axis)
         size = float(np.linalg.norm(self.axis))
         if math.hypot(*self.axis[:2]) <= LEVEL * size:
             raise refused("axis", list(self.axis), "a direction that is not vertical")
+
+    @classmethod
+    def of(cls, loads: Loads) -> "Tilt":
+        """That of ``loads`` by `tilting`."""
+        assert loads.axis is not None, "gravity turns"
+        if isinstance(loads, Tilting) and loads.beside is not None and loads.levers is not None:
+            return cls(loads.axis, Permanent(loads.beside, loads.levers))
+        return cls(loads.axis)
 
     @property
     def level(self) -> bool:
@@ -97,23 +110,31 @@ class StaticTilt:
         return self.path[-1].load
 
 
-def turned(assembly: Assembly, tilt: Tilt, angle: float) -> Loads:
-    """The weight of all free pieces under gravity that has turned by ``angle`` (degrees)."""
+def turned(assembly: Assembly, tilt: Tilt, angle: float) -> Tilting:
+    """The weight of all free pieces under gravity that has turned by ``angle`` (degrees).
+
+    And permanent loads beside it.
+    """
     weight = np.array([0.0 if piece.fixed else piece.weight for piece in assembly.pieces])
-    permanent = np.zeros((len(weight), 6))
+    permanent, beside = np.zeros((len(weight), 6)), tilt.beside
     permanent[:, :3] = weight[:, None] * tilt.gravity(angle)
-    return Loads(permanent, np.zeros_like(permanent), free_weight(assembly))
+    found = Tilting(permanent, np.zeros_like(permanent), free_weight(assembly))
+    if beside is None:
+        return found
+    whole = permanent + beside.wrenches
+    return replace(found, permanent=whole, levers=beside.levers, beside=beside.wrenches)
 
 
-def turning(assembly: Assembly, tilt: Tilt, angle: float) -> Loads:
+def turning(assembly: Assembly, tilt: Tilt, angle: float) -> Tilting:
     """Gravity at ``angle`` (degrees); the variable load, per newton, is how it goes on to turn."""
-    gravity = turned(assembly, tilt, angle)
-    beside = np.zeros_like(gravity.permanent)
-    beside[:, :3] = np.cross(tilt.unit, gravity.permanent[:, :3]) / gravity.scale
-    return replace(gravity, variable=beside)
+    gravity = turned(assembly, replace(tilt, beside=None), angle).permanent
+    on = turned(assembly, tilt, angle)
+    change = np.zeros_like(gravity)
+    change[:, :3] = np.cross(tilt.unit, gravity[:, :3]) / on.scale
+    return replace(on, variable=change)
 
 
-def tilting(assembly: Assembly, tilt: Tilt) -> Loads:
+def tilting(assembly: Assembly, tilt: Tilt) -> Tilting:
     """The weight of all free pieces under gravity that turns, as a load that is raised.
 
     In N: the angle in radians times the weight, see `load_of_tilt`.

@@ -25,7 +25,14 @@ from sidmacib.structure.files.json_values import (
     matrix_of,
     number_of_node,
 )
-from sidmacib.structure.files.repair import AS_IT_IS, Surface, bodies_in, chosen, repaired
+from sidmacib.structure.files.repair import (
+    AS_IT_IS,
+    Surface,
+    bodies_in,
+    chosen,
+    repaired,
+    with_depth,
+)
 
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
 BLOCK = "compas_assembly.datastructures/Block"
@@ -70,7 +77,8 @@ def read_compas(
     Those of a list of meshes are numbered from 0, as are the bodies in one mesh. ``frame``, (3, 3),
     turns the file's coordinates into m with z upwards. ``density`` in kg/m3, of all blocks whose
     material has none. ``fixed``: nodes of the blocks that cannot move, in place of those that the
-    file calls supports. Meshes are repaired, and faces that are not plane cut into triangles.
+    file calls supports. Meshes are repaired, and faces that are not plane cut into triangles;
+    blocks that cannot move may be flat.
     ValueError, which names the node and the key, for what is not understood.
     """
     nodes = sorted(_nodes(path, name), key=lambda node: node.number)
@@ -78,13 +86,10 @@ def read_compas(
     if fixed is not None:
         asked = [str(each).removeprefix(f"{name}-") for each in fixed]
         held = chosen(asked, [str(node.number) for node in nodes], "a node of")
-    if not held:
+    if not held and fixed is None:
         raise ValueError(f"{path.name}: calls no node a support; name the fixed nodes")
     return tuple(
-        replace(
-            _block(node, density if node.density is None else node.density, name, frame),
-            fixed=str(node.number) in held,
-        )
+        _block(node, node.density or density, name, frame, str(node.number) in held)
         for node in nodes
     )
 
@@ -115,7 +120,10 @@ def graph_in(file: str, content: Any) -> Mapping[str, Any]:
 def _nodes(path: Path, name: str) -> list[_Node]:
     content, file = content_of(path), path.name
     if isinstance(content, list):
-        meshes = [data_of(f"{name}-{k}", each, (MESH, BLOCK)) for k, each in enumerate(content)]
+        each_alone = [
+            part for each in content for part in (each if isinstance(each, list) else [each])
+        ]
+        meshes = [data_of(f"{name}-{k}", each, (MESH, BLOCK)) for k, each in enumerate(each_alone)]
         return [_Node(number, mesh, False) for number, mesh in enumerate(meshes)]
     held = data_of(file, content, KINDS)
     if "vertex" in held and "face" in held:
@@ -230,9 +238,12 @@ def _bodies(file: str, mesh: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
         yield {"vertex": vertices, "face": {str(k): face for k, face in enumerate(body)}}
 
 
-def _block(node: _Node, density: float, begin: str, frame: Floats) -> Block:
+def _block(node: _Node, density: float, begin: str, frame: Floats, fixed: bool) -> Block:
     name = f"{begin}-{node.number}"
     places, faces = _surface(name, node.mesh)
     if node.matrix is not None:
         places = places @ node.matrix[:3, :3].T + node.matrix[:3, 3]
-    return replace(repaired(name, places @ frame.T, faces, density), material=node.material)
+    places = places @ frame.T
+    if fixed:
+        places, faces = with_depth(places, faces)
+    return replace(repaired(name, places, faces, density), fixed=fixed, material=node.material)

@@ -50,6 +50,9 @@ class FileSection(Keys):
     """whether the blocks cannot move, or names or patterns of those that cannot; of COMPAS by
     default its supports"""
 
+    fixed_below: Annotated[float, Number(unit="m")] | None = None
+    """height z that blocks reach below which cannot move, beside those that `fixed` names"""
+
     @model_validator(mode="after")
     def _is_one(self) -> Self:
         if self.unit is not None and self.scale is not None:
@@ -74,7 +77,10 @@ class FileSection(Keys):
                 for block in self._in(f"{name}-{path.stem}" if several else name, path)
             ]
             self._require_unit(found)
-            return found if not several else self._fixed(name, found)
+            found = found if not several else self._fixed(name, found)
+            if (height := self.fixed_below) is None:
+                return found
+            return [replace(b, fixed=b.fixed or b.places[:, 2].min() < height) for b in found]
         except ValueError as error:
             raise ValueError(f"blocks.{name}.{error}") from None
 
@@ -98,7 +104,8 @@ class FileSection(Keys):
         if path.suffix == ".json":
             if isinstance(self.fixed, bool):
                 raise refused("fixed", self.fixed, "a list of nodes")
-            return list(read_compas(path, self.density, self.fixed, name, self._frame))
+            fixed = () if self.fixed is None and self.fixed_below is not None else self.fixed
+            return list(read_compas(path, self.density, fixed, name, self._frame))
         bodies = blocks_from_mesh(
             path, self.density, np.array(UPWARDS[self.up], float), self.length
         )

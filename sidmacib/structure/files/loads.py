@@ -219,7 +219,7 @@ def permanent_on(
 
 
 class TiltSection(Keys):
-    """Gravity that turns about an axis, by the right-hand rule."""
+    """Gravity that turns about an axis, by the right-hand rule; other permanent loads stay."""
 
     axis: Way
 
@@ -266,13 +266,17 @@ class _Raised(_Pushed):
 
 class _Amount(Keys):
     newtons: Newtons | None = None
-    """how much is to be carried, N: whether it is, `multilock assembly` says"""
+    """how much is to be carried, N: whether it is, `multilock assembly` and studies say"""
     over_weight: OverWeight | None = None
     """or that over the weight of what can move"""
 
-    def amount(self, assembly: Assembly) -> float | None:
-        """What is to be carried, in N; None if the file does not say."""
+    def amount(self, assembly: Assembly | None) -> float | None:
+        """What is to be carried, in N; None if the file does not say.
+
+        ``assembly``: needed for an amount over the weight.
+        """
         if self.over_weight is not None:
+            assert assembly is not None, "it is over the weight"
             return self.over_weight * free_weight(assembly)
         return self.newtons
 
@@ -299,9 +303,7 @@ class LoadSection(_Amount, _Raised):
         ValueError that names the key.
         """
         if self.tilt:
-            if beside is not None:
-                raise ValueError("load.tilt: must not be given beside permanent; use acceleration")
-            return tilting(assembly, Tilt(self.tilt.axis))
+            return tilting(assembly, Tilt(self.tilt.axis, beside))
         if self.acceleration:
             return acceleration(assembly, self.acceleration, beside)
         moves, key = self.support, "support" if self.support else "force"

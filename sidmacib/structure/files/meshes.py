@@ -7,6 +7,7 @@ import trimesh
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.blocks import Block, require_near
+from sidmacib.structure.files.obj import surfaces_in_obj
 from sidmacib.structure.files.repair import AS_IT_IS, Surface, bodies_in, repaired
 from sidmacib.structure.files.rhino import surfaces_in_3dm
 from sidmacib.validation import refused
@@ -47,21 +48,24 @@ def _surfaces(path: Path) -> dict[str, Surface]:
     if path.suffix.lower() not in SUFFIXES:
         raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
     try:
-        loaded = trimesh.load_scene(
-            path, process=False, split_objects=True, group_material=False, skip_materials=True
-        )
+        found = surfaces_in_obj(path) if path.suffix.lower() == ".obj" else _triangles(path)
     except (OSError, ValueError, IndexError, KeyError, TypeError):
         raise ValueError(f"file: {path.name}: is no mesh that can be read") from None
-    found: dict[str, Surface] = {}
-    for name, mesh in loaded.geometry.items():
-        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            places, triangles = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
-            _require_corners(f"file: {path.name}", triangles, len(places))
-            require_near(f"file: {path.name}", places)
-            found[name] = places, [(a, b, c) for a, b, c in triangles.tolist()]
     if not found:
         raise ValueError(f"file: {path.name}: has no triangles")
+    for places, faces in found.values():
+        _require_corners(f"file: {path.name}", np.concatenate(faces), len(places))
+        require_near(f"file: {path.name}", places)
     return found
+
+
+def _triangles(path: Path) -> dict[str, Surface]:
+    """The surface of each mesh that trimesh reads."""
+    return {
+        name: (np.asarray(mesh.vertices, float), [(a, b, c) for a, b, c in mesh.faces.tolist()])
+        for name, mesh in trimesh.load_scene(path, process=False).geometry.items()
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)
+    }
 
 
 def _numbered(surfaces: dict[str, Surface]) -> dict[str, Surface]:
@@ -73,8 +77,8 @@ def _numbered(surfaces: dict[str, Surface]) -> dict[str, Surface]:
     return {str(number): body for number, body in enumerate(found, 1)}
 
 
-def _require_corners(what: str, triangles: Integers, vertices: int) -> None:
-    """ValueError, which begins with ``what``, for a corner that is none of the ``vertices``."""
-    wrong = triangles[(triangles < 0) | (triangles >= vertices)]
+def _require_corners(what: str, corners: Integers, vertices: int) -> None:
+    """ValueError, which begins with ``what``, for one that is none of the ``vertices``."""
+    wrong = corners[(corners < 0) | (corners >= vertices)]
     if len(wrong):
         raise ValueError(f"{what}: has a face with vertex {wrong[0]}; it has 0 to {vertices - 1}")

@@ -1,9 +1,10 @@
 """Blocks from surfaces as files have them: welded, closed, turned outwards, of plane faces."""
 
+import math
 from collections import deque
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -19,6 +20,9 @@ Edge = tuple[int, int]
 Surface = tuple[Floats, list[Face]]  # vertices, (V, 3), and faces: numbers of these
 AS_IT_IS: Floats = np.eye(3)
 SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart are one
+DEPTH = 0.1  # over its size: of a block in place of a flat support
+FLATTEST = 0.99  # least cosine between the normals of its faces
+MOST_CORNERS = 16  # of a folded face whose cuts are all tried
 INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
 
 
@@ -34,6 +38,7 @@ def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density:
     places, faces = _welded(places, faces, FLAT)
     if not faces:
         raise ValueError(f"{name}: has no faces with an area")
+    places, faces = _compact(places, faces)  # as other bodies may have vertices, too
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     thick = [face for face in faces if _thickness(places[list(face)]) > FLAT * size]
     kept = _divided(_once(thick), places, FLAT * size)
@@ -42,6 +47,25 @@ def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density:
     places, kept = _compact(places, _in_planes(name, kept, places, size))
     vertices = tuple((float(x), float(y), float(z)) for x, y, z in places)
     return Block(name, vertices, tuple(kept), density)
+
+
+def with_depth(places: Floats, faces: Sequence[Face]) -> Surface:
+    """A surface with sides and a bottom, if it is open and flat: the ground is often one face.
+
+    Arguments as of `repaired`; z is up. What is closed, or stands upright, stays as it is.
+    """
+    places, welded = _welded(places, faces, FLAT)
+    once = _once(welded)
+    border = [edge for edge, beside in _sides(once).items() if len(beside) == 1]
+    size, count = float(np.linalg.norm(np.ptp(places, axis=0))), len(places)
+    normals = np.array([normal_of(places[list(face)]) for face in once])
+    flat = np.abs(normals @ normals[0]).min() > FLATTEST
+    if not border or not flat or abs(normals[0, 2]) <= FLAT:
+        return places, welded
+    sides = [(one, other, other + count, one + count) for one, other in border]
+    bottom = [tuple(vertex + count for vertex in face) for face in once]
+    down = -np.sign(normals[0, 2]) * DEPTH * size * normals[0]
+    return np.vstack([places, places + down]), [*once, *sides, *bottom]
 
 
 def chosen(asked: Sequence[object], names: Sequence[str], allowed: str) -> set[str]:
@@ -99,11 +123,30 @@ def _welded(
 
 
 def planes(face: Face, places: Floats, size: float) -> list[Face]:
-    """The face itself if it is plane, otherwise triangles from its first vertex."""
-    if len(face) > 3 and off_plane(places[list(face)]) > FLAT * size:
-        first, *rest = face
-        return [(first, one, other) for one, other in pairwise(rest)]
-    return [face]
+    """The face itself if it is plane, otherwise parts of it that are, or triangles.
+
+    It is cut where it is folded: by the diagonal that leaves the flattest parts, of equal ones the
+    shortest, so that two blocks which share a warped face are cut alike.
+    """
+    if len(face) == 3 or off_plane(places[list(face)]) <= FLAT * size:
+        return [face]
+    whole = normal_of(places[list(face)])
+
+    def bent(cut: tuple[Face, Face]) -> tuple[bool, int, float, tuple[float, ...]]:
+        parts = [places[list(part)] for part in cut]
+        outside = min(float(normal_of(part) @ whole) for part in parts) <= 0.0
+        ends = sorted(places[[cut[0][0], cut[0][-1]]].tolist())
+        length = round(math.dist(*ends) / size / FLAT) * FLAT
+        off = max(map(off_plane, parts))
+        return outside, math.ceil(off / size / FLAT - 1.0), length, tuple(ends[0])
+
+    cuts = [
+        (face[one : other + 1], (*face[other:], *face[: one + 1]))
+        for one, other in combinations(range(len(face)), 2)
+        if 1 < other - one < len(face) - 1
+        and (len(face) <= MOST_CORNERS or other - one == len(face) // 2)
+    ]
+    return [plane for part in min(cuts, key=bent) for plane in planes(part, places, size)]
 
 
 def _thickness(corners: Floats) -> float:

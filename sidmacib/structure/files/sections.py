@@ -239,7 +239,7 @@ class StructureFile(Keys):
     permanent: tuple[PermanentSection, ...] = ()
     """loads that always act, beside weight"""
     load_cases: Annotated[dict[Label, LoadCaseSection], Some] | None = None
-    """load cases by name, in place of `load`; for `multilock assembly` only"""
+    """load cases by name, in place of `load`; for `multilock assembly` and studies"""
     interfaces: InterfaceSection = InterfaceSection()
     """the law of all interfaces; by default dry"""
     special: tuple[SpecialSection, ...] = ()

@@ -75,7 +75,7 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     """
     given = StructureFile.read(description)
     if given.load is None:
-        words = "; load_cases are for multilock assembly only" if given.load_cases else ""
+        words = "; load_cases are for multilock assembly and studies" if given.load_cases else ""
         raise ValueError(f"load: missing; this key is required{words}")
     assembly = assembly_of(given, folder)
     beside = permanent_on(assembly, given.permanent, given.tolerance)
@@ -124,6 +124,17 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
             raise ValueError(f"{key}.{str(error).removeprefix('load.')}") from None
         found.append(Demand(Problem(assembly, loads), case.amount(assembly), name))
     return tuple(found)
+
+
+def required_of(description: Mapping[str, Any], assembly: Assembly | None = None) -> float | None:
+    """How much of its load (N) a ``description`` wants to be carried; None if it does not say.
+
+    ``assembly``: of the description, if it is there. ValueError that names the key.
+    """
+    given = LoadSection.read(description.get("load"), "load")
+    if given.over_weight is not None and assembly is None:
+        assembly = assembly_of(description)
+    return given.amount(assembly)
 
 
 def blocks_and_rows(

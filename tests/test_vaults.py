@@ -1,21 +1,66 @@
-"""The vault of `studies/designed_vault`, and what is designed of a small one."""
+"""The vaults of `studies/flat_vault` and `studies/designed_vault`."""
 
 import json
+from collections import Counter
 from pathlib import Path
 
 import pytest
 import yaml
 from command_runner import run
 
+from sidmacib import InfeasibleError, UnboundedError, limit_load, static_peak
 from sidmacib.design.blocking import order_of
 from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import read_task, write_designed
 from sidmacib.design.sizing import carried
 from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.structure_file import read_structure
+from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.loads import free_weight
 from studies.designed_vault.all_layouts import GAP, compared
 from studies.designed_vault.geometry import FILE, Barrel, barrel, content, text
+from studies.flat_vault.geometry import FILES, LEAN, SIDE, THICKNESS, description
+from studies.flat_vault.geometry import text as flat_text
+
+
+@pytest.mark.parametrize("blocks", FILES)
+def test_the_files_are_what_the_geometry_writes(blocks: int) -> None:
+    assert FILES[blocks].read_text() == flat_text(blocks)
+
+
+def test_each_block_is_a_truncated_tetrahedron_that_touches_four_others() -> None:
+    assembly = read_structure(FILES[5]).assembly
+    blocks = {piece.name: piece for piece in assembly.pieces if piece.name.startswith("block")}
+    assert len(blocks) == 25
+    for block in blocks.values():
+        assert isinstance(block, Block)
+        assert block.reentrant is None
+        # The integral over its height of (a + 2 z tan) (a - 2 z tan).
+        volume = SIDE**2 * THICKNESS - 4 * LEAN**2 * THICKNESS**3 / 3
+        assert block.volume == pytest.approx(volume, rel=1e-6)
+    ends = Counter(end for face in assembly.faces for end in (face.below, face.above))
+    assert {ends[k] for k, each in enumerate(assembly.pieces) if each.name in blocks} == {4}
+
+
+def test_the_vault_carries_more_the_rougher_its_joints_and_opens_as_it_slides() -> None:
+    problem = read_structure(FILES[3])
+    weight = free_weight(problem.assembly)
+    static, limit = static_peak(*problem).peak.load, limit_load(*problem, friction=True).load
+    assert static / weight == pytest.approx(0.3628, abs=5e-4)  # as docs/howto/structure.md says
+    assert static < limit == pytest.approx(0.3930 * weight, abs=5e-4 * weight)
+    rough = structure_of(description(3, friction=0.8))
+    assert limit_load(*rough, friction=True).load > 2 * limit
+
+
+def test_smooth_joints_do_not_hold_it_and_a_rigid_frame_holds_any_load() -> None:
+    with pytest.raises(InfeasibleError):
+        limit_load(*structure_of(description(3, friction=0.3)), friction=True)
+    framed = description(3)
+    for block, value in framed["blocks"].items():
+        value["fixed"] = not block.startswith("block")
+    with pytest.raises(UnboundedError):
+        limit_load(*structure_of(framed), friction=True)
 
 
 def test_the_file_is_what_the_geometry_writes_and_has_110_free_blocks() -> None:

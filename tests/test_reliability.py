@@ -1,26 +1,65 @@
-"""Characteristic and design resistance of a joint."""
+"""Locks whose strengths scatter; characteristic and design resistance of a joint."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import binom
-from test_scatter import strengths
+from scipy.stats import binom, lognorm
 
 import sidmacib
+from sidmacib import Reliability, characteristic, design_resistance
 from sidmacib.joint import Direction, Hold, HoldDown, Joint, OwnLock
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.rule import COARSE, first_failure, weakened
-from sidmacib.rule.reliability import (
-    Reliability,
-    at_most_resists,
-    characteristic,
-    design_resistance,
-    scatter,
-)
+from sidmacib.rule.reliability import Scatter, at_most_resists, scatter
+
+PURE_SHEAR = Direction(0.0)
+
+
+def strengths(variation: float, shape: tuple[int, ...]) -> np.ndarray:
+    """Lognormal strengths of mean 1."""
+    deviation = math.sqrt(math.log1p(variation**2))
+    random = np.random.default_rng(7)
+    return random.lognormal(-(deviation**2) / 2.0, deviation, shape)
+
+
+@pytest.mark.parametrize("share", [0.001, 0.05, 0.5, 0.99])
+@pytest.mark.parametrize("variation", [0.05, 0.3])
+def test_one_lock_has_the_quantiles_of_its_strength(variation: float, share: float) -> None:
+    scattered = Scatter(100.0, np.array([1.0]), variation)
+    deviation = math.sqrt(math.log1p(variation**2))
+    expected = 100.0 * lognorm.ppf(share, deviation, scale=math.exp(-(deviation**2) / 2.0))
+    assert scattered.quantile(share) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.5])
+def test_quantiles_are_those_of_many_joints(share: float) -> None:
+    scattered = scatter(Joint(7), Direction(0.2), 0.2)
+    drawn = (strengths(0.2, (40_000, 7)) / scattered.utilisation).min(axis=1) * scattered.load
+    assert scattered.quantile(share) == pytest.approx(np.quantile(drawn, share), rel=5e-3)
+
+
+def test_survival_falls_from_certain_to_none() -> None:
+    scattered = scatter(Joint(5), PURE_SHEAR, 0.15)
+    chances = [scattered.survival(scattered.load * factor) for factor in (0.0, 0.4, 0.8, 1.0, 3.0)]
+    assert chances[0] == 1.0
+    assert chances == sorted(chances, reverse=True)
+    assert chances[-1] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0, -1.0])
+def test_shares_that_are_none_are_refused(share: float) -> None:
+    with pytest.raises(ValueError, match="share"):
+        scatter(Joint(3), PURE_SHEAR, 0.2).quantile(share)
+
+
+def test_a_variation_must_be_positive() -> None:
+    with pytest.raises(ValueError, match="variation"):
+        scatter(Joint(3), PURE_SHEAR, 0.0)
+
 
 ECCENTRIC = Direction(0.3)
 JOINT = Joint(5, a=0.08, H=0.06)
@@ -38,8 +77,7 @@ def drawn(joint: Joint, factors: np.ndarray) -> Joint:
 
 def static_first_failure(joint: Joint) -> float:
     """First failure (N) of a joint whose locks differ, by the static model."""
-    assembly = assemble(joint, joint.least_side / COARSE)
-    loads = lateral_load(joint, assembly, Loading(ECCENTRIC))
+    assembly, loads = posed(joint, Loading(ECCENTRIC), joint.least_side / COARSE)
     return first_failure_of(solver_of(assembly, loads), loads.scale).point.load
 
 
@@ -89,9 +127,7 @@ def test_strengths_that_are_design_values_leave_the_safe_load() -> None:
 
 
 @pytest.mark.parametrize("joint", [JOINT, PRESSED], ids=["plate", "pressure"])
-def test_the_factor_divides_the_resistance_or_the_strengths_whichever_gives_less(
-    joint: Joint,
-) -> None:
+def test_the_factor_divides_resistance_or_strengths_whichever_gives_less(joint: Joint) -> None:
     found = design_resistance(joint, ECCENTRIC, Reliability(partial_factor=1.5)).load
     of_resistance = sidmacib.safe(joint, ECCENTRIC).load / 1.5
     of_strengths = sidmacib.safe(weakened(joint, 1.5), ECCENTRIC).load

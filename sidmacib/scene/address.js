@@ -3,7 +3,7 @@
 const changed = new Set(); // ids of controls
 let section = ""; // id of the section that was gone to
 
-const controls = () => [...document.querySelectorAll("header select, main select, main input")].filter((control) => control.id);
+const controls = () => [...document.querySelectorAll("header select, main select, main input")].filter(({ id, type }) => id && type !== "file");
 const stateOf = (control) => (control.type === "checkbox" ? String(control.checked) : control.value);
 
 function writeAddress() {

@@ -1,18 +1,68 @@
-"""Limit analysis of structures that solvers, rounds or their own weight gave trouble to."""
+"""Limit analysis of structures: how they move, and those that gave solvers trouble."""
 
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from command_runner import answers
+from structures import GROUND, LEANING, dry, on_ground
 
-from sidmacib.errors import CapacityError, InfeasibleError
+from sidmacib import CapacityError, InfeasibleError, static_peak
 from sidmacib.mechanics import sliding
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.static import static_peak
+from sidmacib.structure.blocks import box
 from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.loads import acceleration
+from sidmacib.structure.structure import structure
 from studies.flat_vault.geometry import FILES
+from studies.structures.shapes import arch
+
+
+def test_a_block_that_slides_dilates_by_its_friction_and_one_that_rocks_turns() -> None:
+    slides, rocks = (
+        limit_load(model, acceleration(model, (1, 0, 0)), friction=True)
+        for model in (on_ground(0.2), on_ground(0.84))
+    )
+    assert slides.mechanism[1] == pytest.approx([1.0, 0.0, 0.2, 0.0, 0.0, 0.0], abs=1e-6)
+    # About the foot at x = 0.4 m: 1 m at the centroid, 0.5 m up, is 2 rad.
+    assert rocks.mechanism[1] == pytest.approx([1.0, 0.0, 0.4, 0.0, 2.0, 0.0], abs=1e-6)
+
+
+def test_the_work_of_the_load_in_the_mechanism_of_an_arch_lifts_its_weight() -> None:
+    model = structure(arch(12, 0.2), dry(3.0))
+    loads = acceleration(model, (1.0, 0.0, 0.0))
+    found = limit_load(model, loads, friction=True)
+    assert float(np.sum(loads.variable * found.mechanism)) == pytest.approx(1.0)
+    lifted = -float(np.sum(loads.permanent * found.mechanism))
+    assert lifted == pytest.approx(found.load, rel=1e-6)
+    turns = np.round(found.mechanism[2:, 4], 3)
+    assert len(set(turns) - {0.0}) == 3  # three bodies between four hinges
+
+
+@pytest.mark.parametrize(("friction", "expected"), [(0.2, 0.2), (0.84, 0.4)])
+def test_a_block_carries_the_same_without_dilation(friction: float, expected: float) -> None:
+    model = on_ground(friction)
+    found = sliding_limit(model, acceleration(model, (1, 0, 0)))
+    assert found.state.load == pytest.approx(expected * model.pieces[1].weight, rel=1e-4)
+    assert found.associated.load == pytest.approx(found.state.load, rel=1e-4)
+
+
+def test_a_stepped_stack_carries_no_more_without_dilation_and_obeys_coulomb() -> None:
+    blocks = [
+        box("floor", (-1.0, 0.0, -0.2), (1.0, 0.3, 0.0), 2e3, fixed=True),
+        box("low", (0.0, 0.0, 0.0), (0.3, 0.3, 0.2), 2e3),
+        box("next", (0.3, 0.0, 0.0), (0.6, 0.3, 0.2), 2e3),
+        box("high", (0.1, 0.0, 0.2), (0.6, 0.3, 0.4), 2e3),
+    ]
+    model = structure(blocks, dry(0.6))
+    found = sliding_limit(model, acceleration(model, (1, 0, 0)))
+    assert 0.0 < found.state.load <= found.associated.load * (1 + 1e-4)
+    force = found.state.force
+    beyond = np.hypot(force[:, 1], force[:, 2]) - 0.6 * force[:, 0]
+    assert beyond.max() <= 0.02 * force[:, 0].max()
+
 
 CASES = Path(__file__).parent / "cases"
 FALLS = "The structure does not stand under its own weight"
@@ -63,34 +113,20 @@ def test_a_wedge_that_only_dilation_holds_up_is_told_that_it_falls() -> None:
 
 
 def test_a_structure_that_falls_is_told_so_before_a_load_is_looked_for() -> None:
-    leaning = {
-        "blocks": {
-            "ground": {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True},
-            "leaning": {
-                "outline": [[0, 0, 0], [0.4, 0, 0], [1.4, 0, 1], [1.0, 0, 1]],
-                "along": [0, 0.6, 0],
-            },
-        },
-        "load": {"acceleration": [1, 0, 0]},
-    }
+    model = structure([GROUND, LEANING], dry(0.7))
     with pytest.raises(InfeasibleError, match=f"^{FALLS}$"):
-        require_standing(*structure_of(leaning), friction=True)
+        require_standing(model, acceleration(model, (1, 0, 0)), friction=True)
 
 
-def test_rounds_that_do_not_settle_end_with_the_lowest_load_and_say_so(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_rounds_that_do_not_settle_end_with_the_least_load(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sliding, "SLIDING_ROUNDS", 12)
     found = sliding_limit(*read_structure(FILES[3]))
     assert found.rounds == 12
-    assert found.highest is not None
     assert 0.0 < found.state.load <= found.highest <= found.associated.load
     assert f"go up to {found.highest:.4g} N" in found.note
 
 
-def test_a_structure_too_large_for_rounds_is_refused_at_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_structure_too_large_for_rounds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sliding, "MOST_NODES", 100)
     with pytest.raises(CapacityError, match=r"without dilation: 176 nodes; at most 100 are"):
         sliding_limit(*read_structure(FILES[3]))
@@ -109,7 +145,6 @@ def test_condensed_locks_work_by_the_safe_rule_unless_another_number_is_given() 
 
 
 def test_a_number_of_working_locks_is_a_number_or_all() -> None:
-    with pytest.raises(
-        ValueError, match=r"locks\.1\.condensed\.working: 'most' is not allowed; .* or all"
-    ):
+    words = r"locks\.1\.condensed\.working: 'most' is not allowed; .* or all"
+    with pytest.raises(ValueError, match=words):
         structure_of(block_on_locks(7, {"working": "most"}))

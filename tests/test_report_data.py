@@ -1,17 +1,23 @@
-"""Tables of the report: headings with units, shares in percent, names in words."""
+"""Tables and paths of the report: headings with units, names in words, places and loads."""
 
 import re
 from collections import Counter
 
+import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT
+from small import SMALL
 
 from analysis.report import headings, words
 from analysis.report.joints import sample_words
 from analysis.report.page import ADDRESS, SCRIPTS_OF_PARTS
 from analysis.report.page import SCRIPTS as SCRIPTS_OF_ALL
+from analysis.report.paths import path_of, shown_cases
+from sidmacib.mechanics.static import static_peak
 from sidmacib.scene.page import SCRIPTS
+from workflow.case import JointCase
+from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results.columns import TABLES
 
@@ -45,10 +51,8 @@ def test_every_column_has_a_heading_that_can_be_read_and_a_meaning() -> None:
 
 
 def test_names_of_models_rules_and_quantities_are_in_words() -> None:
-    table = pd.DataFrame(
-        {"model": ["static"], "reduction": ["half"], "quantity": ["weight_lock1"], "option": [None]}
-    )
-    found = words({"fit": table})
+    row = {"model": "static", "reduction": "half", "quantity": "weight_lock1", "option": None}
+    found = words({"fit": pd.DataFrame([row])})
     assert found["model"] == {"static": "static model"}
     assert found["reduction"] == {"half": "(n - 1) / 2 locks count"}
     assert found["quantity"] == {"weight_lock1": "weight of lock 1"}
@@ -75,3 +79,48 @@ def test_the_scripts_of_the_report_declare_no_name_twice() -> None:
     for scripts in (of_study, of_command):
         names = [name for script in scripts for name in declared.findall(script.read_text())]
         assert [name for name, count in Counter(names).items() if count > 1] == []
+
+
+def case_of() -> JointCase:
+    case, *_ = shown_cases(cases_of(read_study(SMALL | {"eccentricities": [0.3]})).values())
+    return case
+
+
+def test_nodes_lie_on_the_inner_face_of_their_lock() -> None:
+    case = case_of()
+    joint, found = case.subject.joint, path_of(case)
+    assert [face["lock"] for face in found["faces"]] == [1, 2, 3]
+    for face in found["faces"]:
+        lock = face["lock"]
+        assert (min(face["x"]), max(face["x"])) == pytest.approx((-joint.a / 2, joint.a / 2))
+        edges = joint.edge(lock - 1), joint.edge(lock)
+        assert (min(face["y"]), max(face["y"])) == pytest.approx(edges)
+        assert face["z"] == pytest.approx(joint.h if joint.is_upper(lock) else 0.0)
+        assert len(set(zip(face["x"], face["y"], strict=True))) == len(face["x"])
+
+
+def test_stresses_stand_at_their_nodes() -> None:
+    """They give the shear and, with the places of the nodes, the torque that a lock carries."""
+    case = case_of()
+    found = path_of(case)
+    problem = case.subject.problem()
+    peak, nodes = static_peak(*problem).peak, problem.assembly.nodes
+    shear = np.hypot(peak.force[:, 1], peak.force[:, 2])
+    stress = shear / nodes.area / case.subject.joint.inner.cohesion
+    for face, shear in zip(found["faces"], found["steps"][-1]["shear"], strict=True):
+        place = np.column_stack([face["x"], face["y"], np.full(len(shear), face["z"])])
+        for where, value in zip(place, shear, strict=True):
+            near = np.abs(nodes.position - where).max(axis=1) < 1e-5
+            assert np.abs(stress[near] - value).min() <= 6e-3 * max(value, 1e-6)
+
+
+def test_loads_are_those_of_the_static_model() -> None:
+    case = case_of()
+    found = path_of(case)
+    solution = static_peak(*case.subject.problem())
+    assert found["first"] == pytest.approx(solution.first_failure_load, rel=1e-5)
+    assert found["steps"][-1]["load"] == pytest.approx(solution.peak.load, rel=1e-5)
+    peak = [solution.peak.displacement, solution.peak.load]
+    assert found["curve"][-1] == pytest.approx(peak, rel=1e-4)
+    lost = [face["fails_from"] for face in found["faces"] if face["fails_from"] is not None]
+    assert all(solution.first_failure_load <= load <= solution.peak.load for load in lost)

@@ -1,0 +1,48 @@
+"use strict";
+// What pages ask the explorer's server, and files that are opened: it makes a page of them.
+const BROKEN = "The server does not answer. Start it again with make explore.";
+const SUPERSEDED = 204;
+const PAGE = crypto.randomUUID();
+let latestFile = 0; // number of the last files
+
+async function post(kind, asked, what) {
+  try {
+    const headers = { "Content-Type": "application/json" };
+    const response = await fetch(`/${kind}`, { method: "POST", headers, body: JSON.stringify(asked) });
+    if (response.status === SUPERSEDED) return null;
+    if (response.ok) {
+      at("problem").textContent = "";
+      return await response.json();
+    }
+    at("problem").textContent = `This ${what} could not be computed: ${response.status} ${response.statusText}.`;
+  } catch {
+    at("problem").textContent = BROKEN;
+  }
+  return null;
+}
+
+async function inBase64(file) {
+  const url = await new Promise((done, failed) => {
+    const reader = new FileReader();
+    reader.addEventListener("load", () => done(reader.result));
+    reader.addEventListener("error", () => failed(reader.error));
+    reader.readAsDataURL(file);
+  });
+  return { name: file.name, data: url.slice(url.indexOf(",") + 1) };
+}
+
+async function openFiles(files) {
+  if (!files.length) return;
+  at("notes").textContent = `Computing ${[...files].map((file) => file.name).join(", ")} …`;
+  const values = { files: await Promise.all([...files].map(inBase64)), kept: Number(at("open").dataset.kept) };
+  const answer = await post("file", { page: `${PAGE}f`, number: ++latestFile, values }, "file");
+  at("notes").textContent = "";
+  if (answer && answer.page) location.assign(answer.page);
+  else if (answer) at("problem").textContent = answer.error;
+}
+
+if (at("open")) {
+  at("open").addEventListener("change", () => openFiles(at("open").files));
+  addEventListener("dragover", (event) => event.preventDefault());
+  addEventListener("drop", (event) => { event.preventDefault(); openFiles(event.dataTransfer.files); });
+}

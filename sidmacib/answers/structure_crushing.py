@@ -1,0 +1,180 @@
+"""What crushing takes from the static model's answer for a structure.
+
+The model follows elastic interfaces that no pressure crushes. As long as their resultants satisfy
+the limits of `sidmacib.mechanics.crushing`, its path is that of blocks that can be crushed. Beyond,
+the parts of interfaces that are crushed yield, and forces go elsewhere, which limit analysis finds:
+the lower of its load and the model's is the capacity. Where forces can go nowhere else, both begin
+of crushing and limit load are the same.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import bisect
+
+from sidmacib.answers.structure import CRUSHING, StaticAnswer, without_other_meshes
+from sidmacib.answers.structure_limit import limit_state
+from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.crushing import crushing_use
+from sidmacib.mechanics.limit import LimitState
+from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.mechanics.static import peak_of, solver_of
+from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
+from sidmacib.quantities import four_digits
+from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.tilt import Tilt
+from sidmacib.structure.structure import refined
+
+BEYOND = 1.001  # over the limit load: where a path ends that has no other end
+NOT_CRUSHED = "no interface is crushed"
+PRECISION = 1e-6  # of where crushing begins between two equilibria
+
+
+def with_crushing(
+    problem: Problem,
+    without: Callable[[Problem], StaticAnswer],
+    limit: LimitState | CapacityError | None = None,
+) -> StaticAnswer:
+    """The answer for blocks that can be crushed; ``without``: gives that for blocks that cannot.
+
+    ``limit``: of limit analysis, if it is known. `NoEquilibriumError` if they do not stand.
+    """
+    unlimited = False
+    try:
+        answer = without(problem)
+    except UnboundedError as error:
+        answer, unlimited = _as_far_as(problem, _limit_load(problem, limit), error), True
+    begins = crushing_begins(answer.assembly, answer.path)
+    if begins is None or begins[0] > answer.load:
+        return _because(answer, NOT_CRUSHED)
+    try:
+        most = _limit_load(problem, limit)
+    except UnboundedError:
+        most = math.inf
+    load, place = begins
+    words = f"{place} is at its compressive strength from {_told(problem, load)} on"
+    if most >= answer.load:
+        return _because(answer, words)
+    more = "any load" if unlimited else _told(problem, answer.load)
+    return replace(
+        answer,
+        failures=_at_most(answer.failures, most),
+        given=_at_most(answer.given, most),
+        mesh_errors=MeshErrors(answer.mesh_errors.first, limit_mesh_error(problem, most)),
+        counts=Counts(
+            peak=True,
+            why=f"limited by crushing in limit analysis; {words}; without crushing {more}",
+        ),
+        path=_up_to(answer.path, most),
+        mode=CRUSHING,
+        mechanism=None,
+    )
+
+
+def _as_far_as(problem: Problem, most: float, error: UnboundedError) -> StaticAnswer:
+    """The answer to just beyond the load ``most`` (N) where the model has no limit: ``error``."""
+    assembly, loads = refined(problem.assembly), problem.loads
+    if loads.axis is not None:
+        raise CapacityError(f"{error} without crushing; limit analysis: {most:.4g} degrees with it")
+    found = peak_of(_UpTo(solver_of(assembly, loads), BEYOND * most), loads.scale)
+    failures = Failures(found.first_failure_load, found.peak.load)
+    counts = without_other_meshes(failures)
+    return StaticAnswer(assembly, failures, failures, UNKNOWN, counts, found.path, found.mode)
+
+
+class _UpTo:
+    """A ``solver`` that finds no equilibria above the load ``most`` (N)."""
+
+    def __init__(self, solver: Solver, most: float) -> None:
+        self.solver, self.most = solver, most
+        self.contact_law, self.start, self.lift = solver.contact_law, solver.start, solver.lift
+
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
+        if load > self.most:
+            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        return self.solver.solve(load, guess, state, thorough=thorough)
+
+
+def _told(problem: Problem, load: float) -> str:
+    return f"{four_digits(load)} {'N' if problem.loads.axis is None else 'degrees'}"
+
+
+def crushing_begins(assembly: Assembly, path: Sequence[Equilibrium]) -> tuple[float, str] | None:
+    """The load at which an interface is first at its compressive strength, and its name.
+
+    Between two equilibria of a ``path`` forces are linear. None if none is.
+    """
+    before: Equilibrium | None = None
+    for point in path:
+        if _most_used(assembly, point)[0] > 1.0:
+            found = point if before is None else _where_full(assembly, before, point)
+            return found.load, _most_used(assembly, found)[1]
+        before = point
+    return None
+
+
+def _where_full(assembly: Assembly, before: Equilibrium, after: Equilibrium) -> Equilibrium:
+    """The state between two equilibria in which the first interface is used in full."""
+
+    def left(part: float) -> float:
+        return 1.0 - min(_most_used(assembly, _between(before, after, part))[0], 2.0)
+
+    return _between(before, after, bisect(left, 0.0, 1.0, xtol=PRECISION))
+
+
+def _most_used(assembly: Assembly, point: Equilibrium) -> tuple[float, str]:
+    use = crushing_use(assembly, point.force[None, :, 0])
+    number = max(use, key=lambda face: float(use[face][0]))
+    return float(use[number][0]), assembly.faces[number].name
+
+
+def _between(before: Equilibrium, after: Equilibrium, part: float) -> Equilibrium:
+    """The state at a ``part`` of the way, whose forces are in equilibrium, and admissible."""
+    return replace(
+        before,
+        **{
+            name: getattr(before, name) + part * (getattr(after, name) - getattr(before, name))
+            for name in ("load", "unknowns", "displacement", "force")
+        },
+    )
+
+
+def _up_to(path: Sequence[Equilibrium], load: float) -> tuple[Equilibrium, ...]:
+    """The ``path`` up to a ``load`` that it reaches."""
+    for number, (before, after) in enumerate(pairwise(path), start=1):
+        if after.load >= load:
+            part = (load - before.load) / (after.load - before.load)
+            return (*path[:number], replace(_between(before, after, part), load=load))
+    return tuple(path)
+
+
+def _limit_load(problem: Problem, limit: LimitState | CapacityError | None) -> float:
+    """The load of limit analysis with crushing, or the angle where gravity turns.
+
+    `NoEquilibriumError` if they do not stand.
+    """
+    try:
+        if problem.loads.axis is not None:
+            return limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
+        if isinstance(limit, CapacityError):
+            raise limit
+        return (limit_state(*problem) if limit is None else limit).load
+    except InfeasibleError as error:
+        raise NoEquilibriumError(str(error)) from None
+
+
+def _at_most(failures: Failures, load: float) -> Failures:
+    return Failures(*np.minimum(failures, load).tolist())
+
+
+def _because(answer: StaticAnswer, words: str) -> StaticAnswer:
+    why = f"{answer.counts.why}; {words}"
+    return replace(answer, counts=replace(answer.counts, why=why))

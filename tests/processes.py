@@ -1,0 +1,22 @@
+"""Programs that tests run in processes of their own."""
+
+import subprocess
+import sys
+from functools import partial
+from os import environ
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def ran(
+    *words: str | Path, check: bool = False, cwd: Path = ROOT, **variables: str
+) -> subprocess.CompletedProcess[str]:
+    """A program with more ``variables`` in its environment, and what it printed."""
+    env = environ | variables
+    return subprocess.run(
+        words, cwd=cwd, env=env, check=check, capture_output=True, text=True, timeout=600
+    )
+
+
+python = partial(ran, sys.executable)

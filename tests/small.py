@@ -1,0 +1,14 @@
+"""Small configurations of studies."""
+
+from typing import Any
+
+SMALL: dict[str, Any] = {  # the static model of three locks
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.02],
+    "eccentricities": [0, 0.5, "torsion"],
+    "models": ["static"],
+    "dem": {"engines": []},
+}
+TWO_MESHES = SMALL | {"meshes": [0.02, 0.01]}
+COARSE = SMALL | {"meshes": [0.03]}
+BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}

@@ -1,0 +1,253 @@
+"""Joints at which Newton's method gives up or increments stepped over the first failure."""
+
+import math
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import block_on_ground, load_on_block
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from joints import loaded
+
+from sidmacib import Direction, HoldDown, Joint, Side, UpperBody, static_first_failure, static_peak
+from sidmacib.errors import CapacityError, NoEquilibriumError
+from sidmacib.joint.loading import Loading, Push, posed
+from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Kind, Loads, NodeLayout
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.newton import friction_rounds
+from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
+from sidmacib.mechanics.optimisation import equilibrium_matrix
+from sidmacib.mechanics.rigid import RigidSolver
+from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
+from sidmacib.rule import law, safe
+from sidmacib.rule.reliability import scatter
+from studies.attack.search import DIMENSIONS, SPACES, Space, target_at
+
+# Joint 9783 of a sampling of 13,312 joints: rough locks, soft roots, stiff dry faces.
+ROUGH = Joint(
+    16,
+    a=0.066531,
+    h=0.0294074,
+    H=0.0159384,
+    inner=FaceMaterial(1e10, 5.1013e7, 0.0, 8e4, 3.7e5),
+    dry=FaceMaterial(1.504817e11, 1.504817e11, 0.61608, 0.0, 0.0),
+    upper_body=UpperBody.MONOLITHIC,
+)
+# Its weight opens and closes nodes in turn.
+SOUND = Joint(
+    12,
+    a=0.31102,
+    b=0.37215,
+    h=0.04653,
+    H=0.22903,
+    density=910.3,
+    inner=FaceMaterial(1e10, 4.532e8, 0.0, 8e4, 6.911e5),
+    dry=FaceMaterial(4.746e10, 1.935e11, 0.01096, 0.0, 0.0),
+    upper_body=UpperBody.MONOLITHIC,
+)
+
+
+def require_equilibrium(model: Assembly, loads: Loads, point: Equilibrium) -> None:
+    """The point's forces balance the loads, and no node carries what it cannot.
+
+    Uses nothing of the solver: the equilibrium matrix, and the contact law as inequalities.
+    """
+    rows, size = free_rows(model), row_units(model)
+    target = ((loads.permanent + point.load * loads.variable).ravel())[rows] / size
+    carried = (equilibrium_matrix(model) @ point.force.ravel())[rows] / size
+    assert np.abs(carried - target).max() <= 1e-9 * np.abs(target).max()
+    contact_law, dry = ContactLaw.of(model), ~point.state.bonded
+    normal, shear = point.force[:, 0], np.hypot(point.force[:, 1], point.force[:, 2])
+    assert (normal[dry] >= 0.0).all()
+    assert (shear[dry] <= contact_law.friction[dry] * normal[dry] * (1.0 + 1e-9)).all()
+    assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
+
+
+def first_failure(model: Assembly, loads: Loads) -> FirstFailure:
+    found = static_first_failure(model, loads, increment=0.1)  # halved, they take ten times as long
+    require_equilibrium(model, loads, found.point)
+    return found
+
+
+@pytest.mark.parametrize("layout", NodeLayout)
+def test_rough_locks_in_torsion_carry_until_a_bond_fails(layout: NodeLayout) -> None:
+    model, loads = loaded(ROUGH, math.inf, 0.033, layout, Push.MINUS_Y)
+    found = first_failure(model, loads)
+    assert found.mode is Mode.BONDS
+    # Four nodes on a lock, at cells' centres, miss the corners.
+    least, most = (12.0, 12.6) if layout is not NodeLayout.CENTRES else (14.0, 18.0)
+    assert least < found.point.load / ROUGH.T0 < most
+
+
+@pytest.mark.study
+def test_a_finer_path_on_which_the_solver_gives_up_is_not_taken() -> None:
+    model, loads = loaded(ROUGH, math.inf, 0.033, push=Push.MINUS_Y)
+    found = static_first_failure(model, loads)
+    assert found.mode is Mode.BONDS
+    assert 14.0 < found.point.load / ROUGH.T0 < 18.0
+
+
+def test_a_sound_joint_stands_under_its_own_weight() -> None:
+    model, loads = loaded(SOUND, 0.4984, 0.15, NodeLayout.LOBATTO)
+    found = first_failure(model, loads)
+    # An independent solver has 20,094 N.
+    assert found.point.load == pytest.approx(20_094.0, rel=2e-3)
+    assert found.mode is Mode.BONDS
+
+
+def test_a_joint_without_weight_carries_what_one_of_next_to_none_does() -> None:
+    joint = Joint(3, density=0.0, hold_down=HoldDown.weight())
+    found, light = (
+        first_failure(*loaded(each, math.inf, 0.02, NodeLayout.VERTICES))
+        for each in (joint, replace(joint, density=1e-6))
+    )
+    assert found.point.load == pytest.approx(light.point.load, rel=1e-6)
+    assert found.mode is light.mode is Mode.BONDS
+
+
+@settings(max_examples=3)
+@given(st.integers(9, 14), st.floats(0.3, 0.8), st.floats(0.002, 0.02))
+def test_equilibria_of_rough_locks_obey_the_law(locks: int, friction: float, shear: float) -> None:
+    inner = replace(ROUGH.inner, shear_stiffness=1e10 * shear)
+    joint = replace(ROUGH, locks=locks, inner=inner, dry=replace(ROUGH.dry, friction=friction))
+    model, loads = loaded(joint, math.inf, 0.033, NodeLayout.VERTICES, Push.MINUS_Y)
+    found = static_peak(model, loads)
+    for point in found.path:
+        require_equilibrium(model, loads, point)
+    assert found.path[0].load == 0.0
+
+
+@pytest.mark.parametrize(
+    ("force", "rounds"),
+    [((0.0, 1.0, 0.0), 1 + 2 * friction_rounds.IN_A_ROW), ((0.0, 0.0, 1.0), 1)],
+    ids=["slides", "floats away"],
+)
+def test_where_pieces_move_off_the_search_ends_soon(
+    joint: Joint,
+    force: tuple[float, float, float],
+    rounds: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model = block_on_ground(joint, Kind.DRY, 0.02)
+    loads, counted = load_on_block(model, force, 0.0), []
+    plain = EquilibriumSearch.with_given_limits
+
+    def counting(*given: Any) -> bool:
+        counted.append(given)
+        return plain(*given)
+
+    monkeypatch.setattr(EquilibriumSearch, "with_given_limits", counting)
+    solver = RigidSolver(model, loads)
+    start = solver.start()
+    assert not counted  # Newton's method finds this
+    with pytest.raises(NoEquilibriumError, match="no equilibrium at 100 N"):
+        solver.solve(100.0, start.unknowns, start.state, thorough=True)
+    assert 0 < len(counted) <= rounds
+
+
+BY_WEIGHT = Joint(
+    *(4, 0.03664, 0.05, 0.0115, 0.015),
+    density=307728,
+    inner=FaceMaterial(1e10, 3e10, 0, 8e4, 2.2219e5),
+    dry=FaceMaterial(3e11, 1.5576e12, 0.28547, 0, 0),
+    first=Side.LOWER,
+    hold_down=HoldDown.weight(),
+)
+BY_FORCE = Joint(
+    *(8, 0.0709, 0.05, 0.00722, 0.0205),
+    density=210,
+    inner=FaceMaterial(1e10, 3e10, 0, 8e4, 2.37e5),
+    dry=FaceMaterial(3e11, 1.665e12, 0.3727, 0, 0),
+    first=Side.LOWER,
+    hold_down=HoldDown.force(2453),
+)
+FOUND = [(BY_WEIGHT, 2.2374), (BY_FORCE, 5.268)]
+
+
+def first_failures(joint: Joint, loading: Loading, cells: int) -> tuple[float, float]:
+    """As the model chooses its increments, and with increments of 0.002 T0, in N."""
+    problem = posed(joint, loading, joint.least_side / cells)
+    found = static_first_failure(*problem), static_first_failure(*problem, increment=0.002)
+    return found[0].point.load, found[1].point.load
+
+
+@pytest.mark.parametrize(("joint", "eccentricity"), FOUND)
+@pytest.mark.parametrize("cells", [2, 3])
+def test_no_first_failure_is_stepped_over(joint: Joint, eccentricity: float, cells: int) -> None:
+    load, fine = first_failures(joint, Loading(Direction(eccentricity)), cells)
+    assert load == pytest.approx(fine, rel=5e-3)
+
+
+@pytest.mark.parametrize("space", SPACES[1:4], ids=lambda space: space.name)
+def test_first_failures_of_random_joints_do_not_depend_on_increments(space: Space) -> None:
+    random, answered = np.random.default_rng(20), 0
+    while answered < 6:
+        target = target_at(space, list(random.random(DIMENSIONS)))
+        if target.joint.locks > 10:
+            continue
+        try:
+            load, fine = first_failures(target.joint, target.loading, 2)
+        except CapacityError:
+            continue
+        answered += 1
+        assert load == pytest.approx(fine, rel=5e-3)
+
+
+@pytest.mark.parametrize(("joint", "eccentricity"), FOUND)
+def test_safe_loads_are_below_first_failures_on_plateaus(joint: Joint, eccentricity: float) -> None:
+    """A margin on the load alone made it 41.2 for 29.5 N, and 105.8 for 98.4 N."""
+    direction = Direction(eccentricity)
+    load, fine = first_failures(joint, Loading(direction), 5)
+    assert safe(joint, direction).load < min(load, fine)
+
+
+def test_a_joint_that_rocks_first_has_the_load_at_which_it_does_and_no_scatter() -> None:
+    """Two strong, smooth locks held down by their weight: strengths do not decide."""
+    inner, dry = FaceMaterial(1e10, 1e10, 0, 1e7, 1e8), FaceMaterial(1e10, 1e10, 0, 0, 0)
+    joint = Joint(2, H=0.1, density=200, inner=inner, dry=dry, hold_down=HoldDown.weight())
+    direction = Direction(0.0)
+    found = law(joint, direction)
+    assert found.mode is Mode.ROCKING
+    assert found.moves == "rocks before a bond fails"
+    stronger = replace(joint, inner=replace(inner, cohesion=2e7, tensile_strength=2e8))
+    assert law(stronger, direction).load == pytest.approx(found.load, rel=1e-3)
+    with pytest.raises(CapacityError, match="before a bond fails; their strengths do not decide"):
+        scatter(joint, direction, 0.2)
+
+
+def test_every_number_of_a_joint_is_in_a_range_of_the_rule_or_refused_or_without_influence() -> (
+    None
+):
+    """A new field must join one of these: the rule was not attacked with it."""
+    ranges = {"locks", "a", "b", "h", "H", "density", "inner", "dry", "hold_down", "elastic"}
+    refused = {"different", "upper_body"}  # the latter only where columns are joined
+    varied = {"first"}  # by the attack, as the body is
+    without = {"failure"}  # on first failures
+    assert {each.name for each in fields(Joint)} == ranges | refused | varied | without
+    of_faces = {"normal_stiffness", "shear_stiffness", "friction", "cohesion", "tensile_strength"}
+    softening = {"residual", "fracture_energy"}  # behind the first failure
+    assert {each.name for each in fields(FaceMaterial)} == of_faces | softening | {"bond_friction"}
+    assert {each.name for each in fields(Elastic)} == {"young", "poisson"}
+    assert {each.name for each in fields(HoldDown)} == {"kind", "amount"}
+
+
+def test_a_path_of_two_increments_does_not_agree_with_itself_by_chance() -> None:
+    """A search found it: 168.5 N on the coarsest two paths, 160.2 N on fine ones."""
+    joint = Joint(
+        2,
+        a=0.242729,
+        b=0.05,
+        h=0.0391252,
+        H=0.159497,
+        density=3830.22,
+        inner=FaceMaterial(1e10, 4.31253e8, 0.0, 8e4 / 1.06, 48381.5 / 1.06),
+        dry=FaceMaterial(5.20322e7, 1.85253e8, 0.305595, 0.0, 0.0),
+        upper_body=UpperBody.MONOLITHIC,
+        hold_down=HoldDown.pressure(4439.52),
+    )
+    problem = posed(joint, Loading(Direction(0.696345)), joint.least_side / 4)
+    assert static_first_failure(*problem).point.load == pytest.approx(160.2, rel=5e-3)

@@ -1,0 +1,163 @@
+"""One file has one verdict: at the command, and in the tables, summary and report of a study."""
+
+import html
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from command_runner import run
+from conftest import ROOT, run_study
+from structures import condensed_keys, example, solved
+
+from analysis.report import finding
+from analysis.report.structures import structures_verdict
+from analysis.summary.structures import summary, verdict_lines
+from analysis.tables.structures import structures_table, verdicts_table
+from sidmacib.answers.structure_limit import limit_state
+from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.yaml_text import read_yaml
+from workflow.cases import structure_cases
+from workflow.configuration import ConfigError, read_study
+from workflow.results.tables import VERDICTS, read_table
+from workflow.schema import with_changes
+
+PUSH = {"acceleration": [1, 0, 0]}
+PUSHED_BY = {**PUSH, "newtons": 1}
+CUBE: dict[str, Any] = {
+    "blocks": {
+        "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
+        "cube": {"low": [0, 0, 0], "high": [1, 1, 1], "density": 2000},
+    },
+    "interfaces": {"friction": 0.5},
+}
+DOWN = {"force": {"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1]}}
+FALLS = {"pressure": {"side": [-1, 0, 0], "pascals": 4e4}}
+DEMANDED = {
+    "bonds": with_changes(example("trilith"), {"load": {"newtons": "4kN"}}),
+    "wall": example("retaining"),
+    "arch": {  # a bond fails before the load is raised
+        **read_yaml(ROOT / "studies/arch/arch.yaml"),
+        "interfaces": {"cohesion": "20kPa", "tensile_strength": "10kPa"},
+        "load": {**PUSH, "newtons": "1kN"},
+    },
+    "locks": with_changes(condensed_keys(), {"load": {"newtons": 100}}),
+    "crushed": {
+        **CUBE,
+        "interfaces": {"friction": 0.7, "compressive_strength": "50kPa"},
+        "load": {**PUSH, "over_weight": 0.45},
+    },
+    "cases": {
+        **CUBE,
+        "permanent": [{"surcharge": {"pascals": 1e3}}],
+        "load_cases": {
+            "wind, full": {**PUSH, "newtons": 5e3},
+            "crowd": {**DOWN, "newtons": "1kN"},
+            "flood": {**PUSH, "newtons": 1, "permanent": [FALLS]},
+        },
+    },
+}
+
+
+def study_of(description: dict[str, Any], **keys: Any) -> dict[str, Any]:
+    return {
+        "structures": {"it": {"description": description, **keys}},
+        "models": ["static", "limit"],
+        "dem": {"engines": []},
+    }
+
+
+@pytest.mark.parametrize("name", DEMANDED)
+def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "file.yaml"
+    file.write_text(yaml.safe_dump(DEMANDED[name], sort_keys=False))
+    said = run("assembly", str(file)).output.splitlines()[0]
+    rows = json.loads(run("assembly", str(file), "--format", "json").stdout)
+    records = solved(tmp_path / "study", **study_of(DEMANDED[name]))
+    table, found = structures_table(records), verdicts_table(records)
+    assert [(t, w) for t, w, _ in verdict_lines(found)] == [("it", said)]
+    assert f"it: {said}\n" in summary("results", table, None, found)
+    told = structures_verdict(table, found)[0]
+    assert told == finding("it", f"{said}.", "good" if said.startswith("Yes") else "bad")
+    if "load_cases" not in DEMANDED[name]:
+        by_model = {row["model"]: row["factor"] for row in rows}
+        rows = [{"to limit": by_model["limit"], "factor": by_model["static"] or by_model["limit"]}]
+    names = {"factor": "factor", "to limit": "limit_factor"}
+    names |= {"to first failure": "first_failure_factor", "to peak": "peak_factor"}
+    for row, own in zip(rows, found.to_dict("records"), strict=True):
+        for key in names.keys() & row.keys():
+            value = math.nan if row[key] is None else row[key]
+            assert own[names[key]] == pytest.approx(value, rel=1e-9, nan_ok=True)
+        if "case" in row:
+            told_of = (row["case"], row["carried"] == "yes", row["governs"] == "yes")
+            assert told_of == (own["load"], own["carried"], own["governs"])
+
+
+@pytest.mark.parametrize("law", [{}, {"cohesion": "20kPa", "tensile_strength": "10kPa"}])
+def test_where_crushing_governs_an_arch_its_limit_load_counts_at_all_doors(
+    law: dict[str, str], tmp_path: Path
+) -> None:
+    arch = read_yaml(ROOT / "studies/arch/arch.yaml")
+    arch["interfaces"] = {"friction": 0.7, "compressive_strength": "150kPa", **law}
+    limit = limit_state(*structure_of(arch)).load
+    file = tmp_path / "arch.yaml"
+    file.write_text(yaml.safe_dump(arch, sort_keys=False))
+    rows = json.loads(run("assembly", str(file), "--format", "json").stdout)
+    table = structures_table(solved(tmp_path / "study", **study_of(arch)))
+    loads = [rows[-1]["load (N)"], *table["load_N"], *table["peak_N"].dropna()]
+    assert loads == pytest.approx([limit] * 4, rel=1e-9)
+    assert table.set_index("model").loc["static", "mode"] == "crushing"
+    words = "the peak counts: limited by crushing in limit analysis; voussoir"
+    assert words in rows[-1]["note"] and words in summary("results", table)
+    assert structures_verdict(table)[0]["text"].startswith(f"load: {limit:.4g} N")
+
+
+@pytest.mark.study
+def test_the_summary_and_the_report_of_a_run_begin_with_the_verdict(tmp_path: Path) -> None:
+    file = tmp_path / "file.yaml"
+    file.write_text(yaml.safe_dump(DEMANDED["cases"], sort_keys=False))
+    said = run("assembly", str(file)).output.splitlines()[0]
+    run_study(study_of(DEMANDED["cases"]), tmp_path / "results", "structures.txt", "report.html")
+    assert f"it: {said}\n" in (tmp_path / "results/structures.txt").read_text()
+    assert said in html.unescape((tmp_path / "results/report.html").read_text())
+    table = read_table(VERDICTS, tmp_path / "results/tables/verdicts.csv")
+    assert table["governs"].tolist() == [False, False, True]
+
+
+def test_without_one_of_the_models_a_verdict_says_so(tmp_path: Path) -> None:
+    config = study_of(DEMANDED["bonds"], models=["limit"])
+    (line,) = verdict_lines(verdicts_table(solved(tmp_path, **config)))
+    assert line[1].endswith("the static model has no answer: static model is not in the study")
+
+
+def test_loads_of_a_study_stand_in_place_of_load_cases() -> None:
+    loads = {"push": {**PUSH, "newtons": 1}}
+    study = read_study(study_of(DEMANDED["cases"], loads=loads))
+    (case,) = {each.name: each for each in structure_cases(study)}.values()
+    assert case.subject.demands
+    assert case.subject.description["load"] == loads["push"]
+    assert "load_cases" not in case.subject.description
+
+
+@pytest.mark.parametrize(
+    ("description", "words"),
+    [
+        (
+            with_changes(DEMANDED["cases"], {"load_cases": {"flood": {"newtons": 0}}}),
+            r"it\.description: load_cases\.flood\.newtons: 0 is not allowed",
+        ),
+        (
+            {**DEMANDED["cases"], "load": PUSH},
+            r"it\.description: load_cases: must not be given beside load",
+        ),
+        (
+            {**CUBE, "load_cases": {"a b": PUSHED_BY, "a_b": PUSHED_BY}},
+            r"it\.description\.load_cases: names must differ in letters, digits",
+        ),
+    ],
+)
+def test_a_fault_of_load_cases_is_named(description: dict[str, Any], words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        read_study(study_of(description))
