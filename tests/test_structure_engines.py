@@ -281,8 +281,8 @@ def test_a_block_that_yade_pulls_over_an_edge_slides_and_then_turns_over(tmp_pat
     model = on_the_ground(0.4, 0.2, dry(0.2), far=0.1)
     problem = Problem(model, acceleration(model, (1.0, 0.0, 0.0)))
     moved_by, load = engine_curve(problem, Numerics(damping=0.7), 0.098, tmp_path, 300)
-    # The load is 0.1 m above the edge, which the centroid reaches at 0.1 m. Where it slides, friction
-    # may hold it at rest under less.
+    # The load is 0.1 m above the edge, which the centroid reaches at 0.1 m.
+    # Where it slides, friction may hold it at rest under less.
     weight, tips = model.pieces[1].weight, moved_by > 0.085
     known = weight * (0.1 - moved_by) / 0.1
     assert tips.sum() > 4
