@@ -280,7 +280,16 @@ def test_small_motions_that_add_up_are_seen(stack: scripts.GivenAssembly) -> Non
         for step in range(1, steps)
         for node in around.look(shifted(0.0, 0.0, 0.6 * LOOK * stack.length_m * step))
     ]
-    assert lost and around.lost == set(lost) and len(lost) == len(set(lost))
+    assert lost and len(lost) == len(set(lost))
+    # Where vertices have passed an edge, this is the vertex from now on.
+    assert not around.lost
+    for number in lost:
+        before, now = stack.nodes[number], around.nodes[number]
+        assert now.vertex_above is not before.vertex_above
+        face = stack.faces[now.face]
+        edges = face.edges_below if before.vertex_above else face.edges_above
+        apart = [scripts.dot(now.position_m, edge[:3]) - edge[3] for edge in edges]
+        assert max(apart) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.fixture
@@ -298,14 +307,14 @@ def test_blocks_without_an_interface_meet_where_the_gap_between_them_has_closed(
 ) -> None:
     met = "left meets right, where they had no interface"
     closed = 0.05 + MET * row.length_m
-    assert meeting(row, shifted(0.0, 0.99 * closed, 0.0)) is None
-    assert meeting(row, shifted(0.0, 1.01 * closed, 0.0)) == met
-    assert meeting(row, shifted(0.0, 0.4 * closed, -0.61 * closed)) == met
+    assert meeting(row, shifted(0.0, 0.99 * closed, 0.0), row.nodes) is None
+    assert meeting(row, shifted(0.0, 1.01 * closed, 0.0), row.nodes) == met
+    assert meeting(row, shifted(0.0, 0.4 * closed, -0.61 * closed), row.nodes) == met
     # Turned by 45 degrees, a corner is ahead by half the sum of its sides over the root of two.
     closed -= 0.5 * (0.25 + 0.2) / math.sqrt(2.0) - 0.125
     for share, expected in ((0.99, None), (1.01, met)):
         turned = PieceMotion((share * closed, 0.0, 0.0), (0.0, 0.0, math.pi / 4))
-        assert meeting(row, [STILL, turned, STILL]) == expected
+        assert meeting(row, [STILL, turned, STILL], row.nodes) == expected
 
 
 def test_a_block_that_sinks_into_another_where_it_has_lost_its_contacts_meets_it(
@@ -314,10 +323,10 @@ def test_a_block_that_sinks_into_another_where_it_has_lost_its_contacts_meets_it
     leaning = PieceMotion((0.0, 0.0, 0.0), (0.0, 0.2, 0.0))
     lost = range(len(row.nodes))
     met = "ground meets left, beyond their interface"
-    assert meeting(row, [STILL, leaning, STILL], lost) == met
-    assert meeting(row, [STILL, leaning, STILL]) is None  # pressed in at its nodes
+    assert meeting(row, [STILL, leaning, STILL], row.nodes, lost) == met
+    assert meeting(row, [STILL, leaning, STILL], row.nodes) is None  # pressed in at its nodes
     rocked = PieceMotion((0.0, 0.0, 0.125 * math.sin(0.2)), (0.0, 0.2, 0.0))
-    assert meeting(row, [STILL, rocked, STILL], lost) is None
+    assert meeting(row, [STILL, rocked, STILL], row.nodes, lost) is None
 
 
 def test_crosswise_edges_meet_where_no_face_does(tmp_path: Path) -> None:
@@ -332,7 +341,8 @@ def test_crosswise_edges_meet_where_no_face_does(tmp_path: Path) -> None:
     closed = 0.03 + MET * given.length_m
     for share, met in ((0.99, None), (1.01, "low meets high, where they had no interface")):
         up = turn.apply([0.0, 0.0, share * closed])
-        assert meeting(given, [STILL, PieceMotion(tuple(up), STILL.rotation), STILL]) == met
+        motions = [STILL, PieceMotion(tuple(up), STILL.rotation), STILL]
+        assert meeting(given, motions, given.nodes) == met
 
 
 # --- vertices and sides --------------------------------------------------------------------------

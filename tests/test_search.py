@@ -25,6 +25,7 @@ def search(tolerance: float = 1e-3, guide: Guide | None = None) -> GivenSearch:
         collapse_m=1e-3,
         first_increment_N=FIRST,
         tolerance=tolerance,
+        last_N=1e6 * FIRST,
         guide=guide,
     )
 

@@ -12,13 +12,14 @@ from conftest import DISTINCT, run_guided
 from scipy.spatial.transform import Rotation
 from structures import dry, moved
 from test_capacity_curve import wall
+from test_supports import HalfArch, semicircle, two_spans
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.curve import engine_curve
+from sidmacib.engines.curve import engine_curve, engine_support_path
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
-from sidmacib.engines.run import EngineNoAnswerError
+from sidmacib.engines.run import EngineNoAnswerError, engine_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static import static_peak
@@ -26,7 +27,7 @@ from sidmacib.problem import Outcome, Problem
 from sidmacib.structure.analysis.capacity_curve import capacity_curve
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism
-from sidmacib.structure.loads import acceleration
+from sidmacib.structure.loads import acceleration, force_at, support_moves
 from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
@@ -173,6 +174,22 @@ def test_a_block_that_juts_out_over_an_edge_turns_over_it(
 
 
 @pytest.mark.engine
+def test_a_block_that_moves_over_an_edge_turns_over_where_its_centroid_passes_it(
+    engine: str, tmp_path: Path
+) -> None:
+    gap, tips = 0.009, 200.0
+    # A force at the bottom moves the block on soft shear springs. Just before it turns over, all of
+    # its weight and so all friction is at the edge, on half of the interface.
+    area = 0.3 * (0.2 + gap)
+    soft = FaceMaterial(1e10, tips / (area / 2) / gap, 2.0, 0.0, 0.0)
+    model = on_the_ground(0.4, 0.2, soft, far=gap)
+    problem = Problem(model, force_at(model, "block", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
+    outcome = engine_outcome(ENGINES[engine], problem, folder=tmp_path, time_limit=300)
+    assert outcome.path[-1].load == pytest.approx(tips, rel=0.01)
+    assert outcome.path[-1].displacement == pytest.approx(gap, rel=0.01)
+
+
+@pytest.mark.engine
 @pytest.mark.parametrize("gap", [0.01, 0.1])
 def test_a_block_that_slides_against_another_which_it_did_not_touch_has_no_peak(
     engine: str, gap: float, tmp_path: Path
@@ -257,6 +274,49 @@ def test_a_structure_that_yade_moves_carries_what_its_kinematics_say(
     moves = displacement > 0.01 * furthest  # before, joints only give way
     apart = load - np.interp(displacement, known.displacement, known.load)
     assert np.abs(apart[moves]).max() < 0.03 * known.load[0]
+
+
+@pytest.mark.engine
+def test_a_block_that_yade_pulls_over_an_edge_slides_and_then_turns_over(tmp_path: Path) -> None:
+    model = on_the_ground(0.4, 0.2, dry(0.2), far=0.1)
+    problem = Problem(model, acceleration(model, (1.0, 0.0, 0.0)))
+    moved_by, load = engine_curve(problem, Numerics(damping=0.7), 0.098, tmp_path, 300)
+    # The load is 0.1 m above the edge, which the centroid reaches at 0.1 m.
+    # Where it slides, friction may hold it at rest under less.
+    weight, tips = model.pieces[1].weight, moved_by > 0.085
+    known = weight * (0.1 - moved_by) / 0.1
+    assert tips.sum() > 4
+    assert load[tips] == pytest.approx(known[tips], abs=0.002 * weight)
+    assert load.max() < 0.201 * weight
+
+
+# --- supports that move --------------------------------------------------------------------------
+@pytest.mark.engine
+def test_an_arch_on_spreading_supports_falls_in_yade_where_its_hinges_say(tmp_path: Path) -> None:
+    model, loads = semicircle()
+    numerics = Numerics(ramp_periods=10.0, tolerance=0.0025)
+    movement, reaction = engine_support_path(Problem(model, loads), numerics, tmp_path, 500)
+    known, weight = HalfArch(), loads.scale
+    assert movement[-1] == pytest.approx(known.falls(), rel=0.02)
+    least = known.thrust(0.0)[0]
+    assert reaction[0] / weight > 1.1 * least  # at rest
+    yields = (movement > 1e-4) & (movement < 1e-3)
+    assert reaction[yields] / weight == pytest.approx(least, rel=0.02)
+    expected = [known.thrust(each)[0] for each in movement[movement > 1e-4].tolist()]
+    assert reaction[movement > 1e-4] / weight == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.engine
+def test_a_wall_slides_off_a_settling_beam_in_yade_where_friction_says(tmp_path: Path) -> None:
+    problem = Problem(model := two_spans(0.2), support_moves(model, "right", (0, 0, -1)))
+    movement, _ = engine_support_path(problem, Numerics(), tmp_path, 300)
+    assert movement[-1] == pytest.approx(0.2 * (4.1 - 2.1), rel=0.01)
+
+
+def test_supports_that_move_are_for_support_paths_only(engine: str, tmp_path: Path) -> None:
+    problem = Problem(model := two_spans(), support_moves(model, "right", (0, 0, -1)))
+    with pytest.raises(ValueError, match="a support moves"):
+        engine_outcome(ENGINES[engine], problem, folder=tmp_path)
 
 
 def test_a_capacity_curve_of_yade_is_one_of_an_acceleration(tmp_path: Path) -> None:

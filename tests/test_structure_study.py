@@ -106,8 +106,10 @@ def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) 
     beams = {"description": SETTLING, "loads": SUPPORTS_MOVE, **bonded}
     study = read_study({**study_of(), "structures": {"beams": beams}})
     assert {case.subject.load for case in structure_cases(study)} == {"push"}
-    asked = support_cases(study)
-    cases = [[each.structure, each.load, each.description, variant] for each, variant in asked]
+    cases = [
+        [each.structure, each.load, each.description, variant, yade]
+        for each, variant, yade in support_cases(study)
+    ]
     write_supports({"cases": cases}, {}, {"supports": tmp_path / "supports.csv"})
     table = read_table(SUPPORTS, tmp_path / "supports.csv")
     row = table.set_index(["load", "variant", "answer"]).loc

@@ -16,7 +16,7 @@ from sidmacib import InfeasibleError, greatest_reaction, least_reaction, support
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.structure.analysis.support_path import static_reactions
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.files.structure_file import loads_of, structure_of
+from sidmacib.structure.files.structure_file import demands_of, loads_of, structure_of
 from sidmacib.structure.loads import SupportMotion, free_weight, support_moves, support_turns
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
@@ -155,6 +155,18 @@ def test_a_wall_slides_off_a_settling_beam_where_it_is_steeper_than_friction() -
     assert path.falls
     assert path.movement[-1] == pytest.approx(0.2 * (4.1 - 2.1), rel=2e-3)
     assert np.diff(path.path.positions[-1].motion[[4, 5], 4]) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_beam_falls_where_a_support_is_drawn_from_below_it() -> None:
+    spreads = {"support": {"block": "right", "displacement": [1, 0, 0]}}
+    description = {**BEAM, "interfaces": {"friction": 0.3}, "load": spreads}
+    problem = demands_of(description, Path())[0].problem
+    loads = problem.loads
+    assert isinstance(loads, SupportMotion)
+    # It lies on 0.2 m of either: friction may hold it on the left one, or first draw it off that.
+    path = support_path(problem.assembly, loads)
+    assert path.falls
+    assert 0.199 <= path.movement[-1] <= 0.41
 
 
 def test_a_support_that_nothing_needs_comes_free() -> None:

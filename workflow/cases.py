@@ -272,9 +272,10 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
                 )
 
 
-def support_cases(study: Study) -> Iterator[tuple[StructureSubject, str]]:
-    """Each structure, its load and the variant, where a support moves: of no model."""
+def support_cases(study: Study) -> Iterator[tuple[StructureSubject, str, bool]]:
+    """Each structure, its load and the variant, where a support moves; whether YADE is asked."""
     for name, section in study.structures.items():
         for load, variant, description in section.described():
             if moves_support(description):
-                yield StructureSubject(name, load, description), variant
+                yade = "yade" in models_of(study, section)
+                yield StructureSubject(name, load, description), variant, yade

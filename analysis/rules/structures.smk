@@ -1,4 +1,6 @@
 # Included if the study has structures: their tables, files for ParaView and summary.
+from sidmacib.engines import ENGINES
+from sidmacib.engines.render import sources
 from workflow.cases import support_cases
 
 DEMANDED = any(case.subject.demands for case in JOBS.structures.values())
@@ -46,6 +48,7 @@ rule structure_vtk:
 
 
 MOVING_SUPPORTS = [*support_cases(STUDY)]
+YADE_MODULES, YADE_FILES = sources(ENGINES["yade"])
 
 
 rule supports:
@@ -55,10 +58,17 @@ rule supports:
         below("logs/supports.log"),
     params:
         cases=lambda wildcards: [
-            [each.structure, each.load, each.description, variant]
-            for each, variant in MOVING_SUPPORTS
+            [each.structure, each.load, each.description, variant, yade]
+            for each, variant, yade in MOVING_SUPPORTS
         ],
-        code=code("analysis.tables.structures", StructureSubject.modules),
+        code=code(
+            "analysis.tables.structures",
+            (*StructureSubject.modules, *YADE_MODULES),
+            YADE_FILES,
+        ),
+        versions=lambda wildcards: (
+            ENGINES["yade"].versions() if any(yade for *_, yade in MOVING_SUPPORTS) else {}
+        ),
     message:
         "Move the supports of structures"
     script:

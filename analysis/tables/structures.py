@@ -10,9 +10,10 @@ import pandas as pd
 from sidmacib.answers.structure import counting, without_other_meshes
 from sidmacib.answers.supports import support_answers
 from sidmacib.answers.verdict import Verdict, governing, verdict
+from sidmacib.engines.curve import yade_answer
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
-from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
+from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures, Problem
 from sidmacib.structure.analysis.rows import most_used
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.loads import SupportMotion
@@ -194,14 +195,19 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     write_table(BLOCKS, blocks_table(records), outputs["blocks"])
 
 
-def support_rows(cases: Iterable[tuple[StructureSubject, str]]) -> Iterator[dict[str, Any]]:
-    """A row for each answer to a subject in a variant; where there is none, the note says why."""
-    for subject, variant in cases:
+def support_rows(cases: Iterable[tuple[StructureSubject, str, bool]]) -> Iterator[dict[str, Any]]:
+    """A row for each answer to a subject in a variant; where there is none, the note says why.
+
+    The last of each case: whether YADE is asked.
+    """
+    for subject, variant, yade in cases:
         row = {"structure": subject.structure, "load": subject.load, "variant": variant}
         assembly, loads = subject.problem()
         assert isinstance(loads, SupportMotion)
         try:
             answers, _ = support_answers(assembly, loads)
+            if yade:
+                answers.append(yade_answer(Problem(assembly, loads)))
         except CapacityError as error:
             yield {**row, "answer": "none", "note": " ".join(str(error).split())}
             continue
@@ -219,8 +225,8 @@ def support_rows(cases: Iterable[tuple[StructureSubject, str]]) -> Iterator[dict
 
 
 def write_supports(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write that of supports; ``cases``: structure, load, description and variant of each."""
-    cases = [(StructureSubject(*subject), variant) for *subject, variant in arguments["cases"]]
+    """Write that of supports; ``cases``: structure, load, description, variant, and if in YADE."""
+    cases = [(StructureSubject(*of), variant, yade) for *of, variant, yade in arguments["cases"]]
     write_table(SUPPORTS, SUPPORTS.frame(support_rows(cases)), outputs["supports"])
 
 

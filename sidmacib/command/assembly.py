@@ -22,6 +22,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import SupportMotion
 
+YADE = "yade"
 Answered = tuple[Sequence[Row] | None, bool]
 
 
@@ -30,7 +31,8 @@ class Wanted:
     """What is asked for.
 
     ``form``: of the table; ``interfaces``: their forces in place of loads; ``case``: one load case;
-    ``without_load``: the reserve in place of the file's loads; and the files to be written.
+    ``without_load``: the reserve in place of the file's loads; ``engines``: others that are asked
+    where a support moves; and the files to be written.
     """
 
     form: str
@@ -42,6 +44,7 @@ class Wanted:
     picture: Path | None
     report: Path | None
     note: Path | None
+    engines: Sequence[str] = ()
 
     @property
     def still(self) -> Path | None:
@@ -62,6 +65,8 @@ def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
     if wanted.without_load:
         description = without_loads(description)
     demands = demands_of(description, file.parent)
+    if wanted.engines and not isinstance(demands[0].problem.loads, SupportMotion):
+        raise click.UsageError("--model: is for a support that moves only")
     notes = structure_notes(demands[0].problem, description)
     for line in notes:
         click.echo(f"Note: {line}", err=True)
@@ -91,7 +96,7 @@ def _of_support(file: Path, demand: Demand, wanted: Wanted) -> Answered:
     for name in ("interfaces", "compas", "report", "note"):
         if getattr(wanted, name):
             raise click.UsageError(f"--{name}: must not be given where a support moves")
-    rows, moves = support_rows(demand.problem)
+    rows, moves = support_rows(demand.problem, YADE in wanted.engines)
     click.echo(text_of(rows, wanted.form))
     write_curve(moves, file.stem, wanted.curve, wanted.picture)
     return None, True

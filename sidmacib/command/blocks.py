@@ -68,6 +68,14 @@ GAP = Number(at_least=0, unit="m")
     help="Write a page with the answer, and the structure in three dimensions with loads, "
     "reactions, hinges, mechanism, into this file: .html. Needs multilock[report].",
 )
+@click.option(
+    "-m",
+    "--model",
+    "engines",
+    multiple=True,
+    type=click.Choice(("yade",)),
+    help="Where a support moves: find the movement at which the structure falls with YADE too.",
+)
 @note_option
 @format_option
 def assembly(
@@ -81,6 +89,7 @@ def assembly(
     case: str | None,
     without_load: bool,
     form: str,
+    engines: tuple[str, ...],
     **options: Any,
 ) -> None:
     """Compute the load capacity of a block structure.
@@ -104,7 +113,8 @@ def assembly(
         from sidmacib.command.structures import added_keys
         from sidmacib.structure.files.structure_file import description_in
 
-        wanted = Wanted(form, interfaces, case, without_load, compas, curve, picture, report, note)
+        files = compas, curve, picture, report, note
+        wanted = Wanted(form, interfaces, case, without_load, *files, engines)
         rows, passes = answered(file, description_in(file, added_keys(**options)), wanted)
     if rows is not None:
         require_answer(rows)

@@ -41,14 +41,18 @@ def _curve_words(curve: CapacityCurve) -> str:
     return f"{curve.end} along it; {joints_in_words(curve.hinges, curve.slides)} at the start"
 
 
-def support_rows(problem: Problem) -> tuple[list[Row], list[Row]]:
+def support_rows(problem: Problem, yade: bool = False) -> tuple[list[Row], list[Row]]:
     """What a support that moves does: reactions by each model, and the reaction over the movement.
 
-    Errors of `support_answers`.
+    ``yade``: whether YADE is asked too. Errors of `support_answers`.
     """
     assembly, loads = problem
     assert isinstance(loads, SupportMotion)
     answers, path = support_answers(assembly, loads)
+    if yade:
+        from sidmacib.engines.curve import yade_answer
+
+        answers.append(yade_answer(problem))
     what, moved = "reaction (N)", "movement (m)"
     if loads.turns:
         what, moved = "reaction (N m)", "movement (degrees)"

@@ -1,17 +1,20 @@
-"""The capacity curve of a structure in YADE: the load over the displacement that is given."""
+"""Structures that YADE moves: capacity curves, and supports that settle, spread or turn."""
 
 import csv
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from sidmacib.answers.supports import SupportAnswer
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import write_script
-from sidmacib.engines.run import EngineNoAnswerError, execute, refusal
-from sidmacib.engines.scripts.records import HISTORY
+from sidmacib.engines.run import HOUR, USUAL, EngineError, EngineNoAnswerError, execute, refusal
+from sidmacib.engines.scripts.records import HISTORY, EngineOutcome
 from sidmacib.engines.yade.engine import YADE
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.problem import Problem
+from sidmacib.structure.loads import SupportMotion
 
 
 def engine_curve(
@@ -23,14 +26,57 @@ def engine_curve(
     Its files are left in ``folder``. `EngineError` if YADE ends without a result, for another load,
     and where blocks meet on the way.
     """
+    loads = problem.loads
+    if loads.axis is not None or loads.variable[:, 3:].any() or not loads.variable.any():
+        raise EngineNoAnswerError("yade: a capacity curve needs an acceleration as the load")
+    return _run(problem, numerics, folder, time_limit, furthest)
+
+
+def engine_support_path(
+    problem: Problem, numerics: Numerics, folder: Path, time_limit: float
+) -> tuple[Floats, Floats]:
+    """Movement of a support (m or rad) and reaction (N or N m), until the structure falls in YADE.
+
+    As in `sidmacib.structure.analysis.supports.support_path`, with elastic joints: at rest, up to
+    the last movement at which there is rest. The support stops after each part of its movement; one
+    that the structure does not survive is taken back and halved, until the last is the tolerance in
+    ``numerics``. Its files are left in ``folder``. `EngineError` if YADE ends without a result, and
+    where blocks meet on the way or the structure stands however far the support moves.
+    """
+    if not isinstance(problem.loads, SupportMotion):
+        raise TypeError("loads: must be a support that moves")
+    return _run(problem, numerics, folder, time_limit)
+
+
+def yade_answer(problem: Problem) -> SupportAnswer:
+    """Where the structure falls in YADE, and the reaction before that; or why there is none."""
+    try:
+        with TemporaryDirectory() as folder:
+            movement, reaction = engine_support_path(problem, USUAL, Path(folder), HOUR)
+    except EngineError as error:
+        return SupportAnswer(YADE.name, None, None, error.in_short)
+    note = f"the structure falls; elastic joints, at rest; YADE {YADE.version()}"
+    return SupportAnswer(YADE.name, float(reaction[-1]), float(movement[-1]), note)
+
+
+def _run(
+    problem: Problem,
+    numerics: Numerics,
+    folder: Path,
+    time_limit: float,
+    furthest: float | None = None,
+) -> tuple[Floats, Floats]:
+    """Displacements and loads at equilibrium, by the former; the last before it falls if any."""
     assembly, loads = problem
     if reason := refusal(YADE, assembly):
         raise EngineNoAnswerError(f"yade: {reason}")
-    if loads.axis is not None or loads.variable[:, 3:].any() or not loads.variable.any():
-        raise EngineNoAnswerError("yade: a capacity curve needs an acceleration as the load")
-    write_script(YADE, assembly, loads, numerics, "capacity curve", folder, furthest=furthest)
+    write_script(YADE, assembly, loads, numerics, "Structure.", folder, furthest=furthest)
     execute(YADE, folder, time_limit)
     with (folder / HISTORY).open() as stream:
-        rows = [(float(r["displacement_m"]), float(r["load_N"])) for r in csv.DictReader(stream)]
+        rows = [
+            (float(row["displacement_m"]), float(row["load_N"]))
+            for row in csv.DictReader(stream)
+            if row["stage"] == EngineOutcome.EQUILIBRIUM.value
+        ]
     displacement, load = np.array(rows).T
     return displacement, load

@@ -13,9 +13,10 @@ from typing import Any
 
 import jinja2
 import jinja2.meta
+import numpy as np
 
 from sidmacib.engines.engine import Engine, Numerics
-from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
+from sidmacib.engines.scripts.assembly import NEVER_FALLS, GivenMaterial, Guide
 from sidmacib.engines.sides import convex_solids, sides, vertices_above
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -30,6 +31,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.springs import natural_frequencies
+from sidmacib.structure.loads import SupportMotion
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent
@@ -38,6 +40,8 @@ TEMPLATES = PACKED if PACKED.is_dir() else Path(__file__).parents[2] / "template
 # Radii of contact spheres over the mean size of pieces: the small one is far more than what presses
 # contacts together, and by the slip over the large one a normal turns.
 POINT, FLAT = 0.001, 1000.0
+LARGEST_LOAD = 1e6  # over the first increment
+FIRST_MOVEMENT = 1e-4  # of a support, over the mean size of pieces, or in rad
 ENVIRONMENT = jinja2.Environment(
     loader=jinja2.FileSystemLoader(TEMPLATES),
     undefined=jinja2.StrictUndefined,
@@ -92,13 +96,29 @@ def script(
         materials={name: engine_material(law) for law, name in _material_names(assembly).items()},
         ductile=assembly.failure is Failure.DUCTILE,
         ranks=numerics.ranks,
-        first_increment_N=numerics.first_increment * loads.scale,
+        **_range(assembly, loads, numerics),
         tolerance=numerics.tolerance,
         guide=guide,
         furthest_m=furthest,
-        half_turn_N=None if loads.axis is None else math.pi * loads.scale,
         **({} if engine.elastic else _rigid_pieces_in_time(assembly, loads, numerics)),
     )
+
+
+def _range(assembly: Assembly, loads: Loads, numerics: Numerics) -> dict[str, float | str]:
+    """The first increment, the last load, and what there is to say where that is carried.
+
+    A support moves by such loads (m or rad): at most as far as the structure is wide, or by pi.
+    """
+    first = numerics.first_increment * loads.scale
+    last, unit, no_peak = LARGEST_LOAD * first, "N", "the load grows without a peak"
+    if loads.axis is not None:
+        last, no_peak = math.pi * loads.scale, NEVER_FALLS
+    if isinstance(loads, SupportMotion):
+        wide = float(np.ptp(assembly.nodes.position, axis=0).max())
+        size, last, unit = (1.0, math.pi, "rad") if loads.turns else (assembly.length, wide, "m")
+        first = FIRST_MOVEMENT * size
+        no_peak = f"the structure stands where the support has moved by {last:.3g} {unit}"
+    return {"first_increment_N": first, "last_N": last, "unit": unit, "no_peak": no_peak}
 
 
 def _rigid_pieces_in_time(
@@ -143,6 +163,7 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             if load.any() and loads.axis is None
         ],
         "axis": loads.axis and list(loads.axis),
+        "support": _support(loads),
         "sides": [{**asdict(side), "wrench": list(side.wrench)} for side in loads.sides],
         "length_m": assembly.length,
         "mesh_m": assembly.mesh if math.isfinite(assembly.mesh) else None,
@@ -154,6 +175,14 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             "vertex_above": vertices_above(assembly).tolist(),
         },
     }
+
+
+def _support(loads: Loads) -> dict[str, Any] | None:
+    """The support that moves, as `SupportMove` has it; None if none does."""
+    if not isinstance(loads, SupportMotion):
+        return None
+    along, about = list(loads.along), loads.about and list(loads.about)
+    return {"piece": loads.support, "along": along, "about_m": about}
 
 
 def _piece(piece: Piece, permanent: Floats) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from sidmacib.mechanics.springs import compliance
 from sidmacib.mechanics.static import static_peak
 from sidmacib.model import Ability
 from sidmacib.problem import Outcome, Problem
+from sidmacib.structure.loads import SupportMotion
 
 HOUR = 3600.0  # s
 USUAL = Numerics()
@@ -105,6 +106,8 @@ def run_engine(
     """
     if reason := refusal(engine, *problem):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
+    if isinstance(problem.loads, SupportMotion):
+        problem.loads.require_proportional()
     if not engine.elastic and (reason := _soft_contacts(problem, numerics)):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
     write_script(engine, *problem, numerics, title, folder, guide)

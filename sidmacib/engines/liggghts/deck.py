@@ -38,8 +38,8 @@ DRAG = 0.05
 # way at 1310 N, and with this at 1363 N; the static model has 1361 N.
 DRAG_OF_BLOCKS = 0.5
 AXES = (0, 1, 2)
+BODIES = "fix bodies free rigid molecule"
 HANDLES_OF_FORCE = 2  # of a piece, which share a force on it; see `handle_forces`
-VARIABLES = "v_acceleration_x v_acceleration_y v_acceleration_z"
 
 
 def reach(piece: GivenPiece) -> float:
@@ -114,6 +114,7 @@ class Atoms:
 
     ``lines``, ``bonds``: of the data file. ``handles``: of each piece, none of a fixed one, as it
     is not moved. ``spheres``: of each node, below and above. ``ends``: of each inner node's spring.
+    ``light``: the mass (kg) of a sphere.
     """
 
     lines: list[str] = field(default_factory=list)
@@ -121,6 +122,7 @@ class Atoms:
     handles: list[list[int]] = field(default_factory=list)
     spheres: list[tuple[int, int]] = field(default_factory=list)
     ends: dict[int, tuple[int, int]] = field(default_factory=dict)
+    light: float = 0.0
 
     def add(self, kind: int, position: Vector, radius: float, mass: float, piece: int) -> int:
         """Add an atom of a type; its number."""
@@ -145,6 +147,10 @@ class LiggghtsDeck:
         critical = 4 * math.pi / (search.period_steps * search.time_step_s)
         self.drag = (DRAG_OF_BLOCKS if gradual else DRAG) * critical  # force over momentum, 1/s
         free = assembly.free
+        self.gravity, self.shared = common_gravity(assembly), common_acceleration(assembly)
+        # Whether loads accelerate all pieces alike, and change with time.
+        many = HANDLES_OF_FORCE * len(assembly.loads) > GROUPS
+        self.accelerated = gradual or assembly.axis is not None or bool(self.shared and many)
         # Types of atoms: one for the handles of each free piece, one that touches nothing, and two
         # for each patch, below and above, that touch each other.
         self.handle_type = {piece: number for number, piece in enumerate(free, start=1)}
@@ -173,7 +179,7 @@ class LiggghtsDeck:
                     for place in self._handle_places(index)
                 ]
             )
-        light = 1e-9 * min(piece.mass_kg for piece in assembly.pieces)
+        light = atoms.light = 1e-9 * min(piece.mass_kg for piece in assembly.pieces)
         for number, node in enumerate(assembly.nodes):
             face, patch = assembly.faces[node.face], self.patch_of[number]
             radii, lone = node.radii(self.point, self.flat_radii[patch]), (self.lone, self.lone)
@@ -285,32 +291,26 @@ class LiggghtsDeck:
         return f"fix {name} all property/global {name} peratomtypepair {self.types} {numbers}"
 
     def _loads(self) -> Iterator[str]:
-        """Gravity, other permanent loads, and the load that is raised: forces on the handles."""
-        gravity = common_gravity(self.assembly)
-        share = ""
-        if self.permanent_ramp:
-            share = "v_permanent*"
-            part = f"0.5-0.5*cos(PI*step/{self.permanent_ramp})"
-            yield (
-                f"variable permanent equal (step<{self.permanent_ramp})*({part})"
-                f"+(step>={self.permanent_ramp})"
-            )
-        if self.assembly.axis is not None:
-            yield from self._turning(gravity, share)
-            return
-        if gravity and share:
-            yield f"variable gravity atom {share}mass*({-gravity!r})"
-            yield "fix gravity handles addforce 0.0 0.0 v_gravity"
+        """Gravity and drag, other permanent loads, and the load that is raised, on the handles."""
+        variable = {part.piece: (part.force, part.moment_m) for part in self.assembly.loads}
+        gravity, share = self.gravity, ""
+        if self.accelerated:
+            if self.permanent_ramp:
+                share = "v_permanent*"
+                part = f"0.5-0.5*cos(PI*step/{self.permanent_ramp})"
+                yield (
+                    f"variable permanent equal (step<{self.permanent_ramp})*({part})"
+                    f"+(step>={self.permanent_ramp})"
+                )
+            if self.shared:
+                variable = {}
         elif gravity:
             yield f"fix gravity handles gravity {gravity!r} vector 0.0 0.0 -1.0"
-        variable = {part.piece: (part.force, part.moment_m) for part in self.assembly.loads}
-        shared = common_acceleration(self.assembly)
-        if shared and HANDLES_OF_FORCE * len(variable) > GROUPS:
-            # In proportion to the masses: one fix for all handles, however many there are.
-            for axis, per_newton in zip("xyz", shared, strict=True):
-                yield f"variable acceleration_{axis} atom v_load*mass*({per_newton!r})"
-            yield f"fix acceleration handles addforce {VARIABLES}"
-            variable = {}
+        pull = "v_pull_{0}" if self.accelerated else "0.0"
+        for name in "xyz":  # one fix for all handles, however many there are
+            net = f"({pull.format(name)}-v_load_drag*v{name})"
+            yield f"variable force_{name} atom mass*{net}"
+        yield "fix force handles addforce v_force_x v_force_y v_force_z"
         none = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         groups = 0
         for index in self.assembly.free:
@@ -338,25 +338,33 @@ class LiggghtsDeck:
                 f"liggghts: {groups} points of load application; at most {GROUPS} are allowed"
             )
 
-    def _turning(self, gravity: float, share: str) -> Iterator[str]:
-        """Gravity (m/s2) that turns: all that acts."""
-        assembly = self.assembly
-        axis, down = assembly.axis or (), (0.0, 0.0, -gravity)
+    def pull(self, load: float | None = None) -> Iterator[str]:
+        """Variables of the acceleration (m/s2) of all pieces: under a ``load`` (N), or as it rises.
+
+        Numbers take LIGGGHTS a third of the time of formulas, which it reads in every step.
+        """
+        if not self.accelerated:
+            return
+        axis, down = self.assembly.axis or (0.0, 0.0, 1.0), (0.0, 0.0, -self.gravity)
         along = [dot(down, axis) * part for part in axis]
         across, aside = plus(down, along, -1.0), cross(axis, down)
-        yield f"variable angle equal v_load/{assembly.permanent_N!r}"
+        shared = self.shared or (0.0, 0.0, 0.0)
+        share = "v_permanent*" if self.permanent_ramp else ""
+        angle = f"v_load/{self.assembly.permanent_N!r}"
         for k, name in enumerate("xyz"):
-            turn = f"({across[k]!r})*cos(v_angle)+({aside[k]!r})*sin(v_angle)"
-            yield f"variable pull_{name} atom {share}mass*(({along[k]!r})+{turn})"
-        yield "fix gravity handles addforce v_pull_x v_pull_y v_pull_z"
+            if load is None:
+                turn = f"({across[k]!r})*cos({angle})+({aside[k]!r})*sin({angle})"
+                value = f"{share}({along[k]!r}+{turn})+v_load*({shared[k]!r})"
+            else:
+                turned = load / self.assembly.permanent_N
+                part = across[k] * math.cos(turned) + aside[k] * math.sin(turned)
+                value = repr(along[k] + part + load * shared[k])
+            yield f"variable pull_{name} equal {value}"
 
     def _bodies(self) -> Iterator[str]:
-        """The drag, the rigid bodies, and the variables of their motion."""
+        """The rigid bodies, and the variables of their motion."""
         pieces, free = self.assembly.pieces, self.assembly.free
-        for name in "xyz":
-            yield f"variable drag_{name} atom -v_load_drag*mass*v{name}"
-        yield "fix drag handles addforce v_drag_x v_drag_y v_drag_z"
-        yield "fix bodies free rigid molecule"
+        yield BODIES
         yield "thermo 1000000"
         yield "thermo_modify lost error"
         for number, piece in enumerate(free, start=1):
@@ -369,6 +377,7 @@ class LiggghtsDeck:
         # The last of all: a variable that is set anew moves there, and fixes know them by number.
         yield "variable load equal 0.0"  # N
         yield f"variable load_drag equal {self.drag!r}"  # 1/s
+        yield from self.pull()
 
     @property
     def place_variables(self) -> list[str]:

@@ -1,7 +1,7 @@
 """An assembly in LIGGGHTS, at a load; it can be brought back to where it stood before."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,26 +9,27 @@ from ..scripts.assembly import Vector, dot, length, plus, utilisation
 from ..scripts.motion import STILL, Fall, PieceMotion
 from ..scripts.next_failure import most_used
 from ..scripts.records import EngineOutcome, History, NodeForce
-from ..scripts.surroundings import Surroundings
-from .deck import LiggghtsDeck
+from ..scripts.surroundings import Surroundings, centres
+from .deck import BODIES, LiggghtsDeck
 from .process import LiggghtsProcess
 
 INPUT_SCRIPT, DATA_FILE, RESTART = "joint.in", "joint.atoms", "joint.restart"
 SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut
-SOON = 0.05  # of the longest wait: what moves then still goes on against less drag, and so faster
+# Shares of the longest wait: what moves then still goes on against less drag, and so faster; what
+# then does not slow down does not come to rest.
+SOON, LATER = 0.05, 0.2
 LESS_DRAG = 0.1  # share of the drag then
-LATER = 0.2  # of it: what then moves ever faster, even against drag, does not come to rest
 LOOKS = 10  # at least, in every time as long as all that was waited before
 
 
 @dataclass(frozen=True)
 class State:
-    """A state that LIGGGHTS has written to `RESTART`: its load (N), time step, and lost nodes."""
+    """A state that LIGGGHTS has written to `RESTART`: its load (N), time step, and nodes."""
 
     load: float
     steps: int
     cut_nodes: frozenset[int]
-    lost: frozenset[int]
+    surroundings: Surroundings
 
 
 class Placement:
@@ -71,13 +72,13 @@ class LiggghtsModel:
         self.slice = max(1, round(2 * self.search.period_steps))  # steps between two looks at it
         self.place_variables = deck.place_variables
         self.force_variables = deck.force_variables
-        self.kept = State(0.0, 0, frozenset(), frozenset())
+        self.kept = State(0.0, 0, frozenset(), Surroundings(self.assembly))
         self._start(f"include {INPUT_SCRIPT}")
 
     def _start(self, *commands: str) -> None:
         self.engine, self.load = LiggghtsProcess(self.ranks), self.kept.load
         self.engine.steps = self.kept.steps
-        self.surroundings = Surroundings(self.assembly, self.kept.lost)
+        self.surroundings = self.kept.surroundings.copy()
         self.cut_nodes = set(self.kept.cut_nodes)
         self.engine.send(*commands)
         self._set_load(self.load)
@@ -94,10 +95,7 @@ class LiggghtsModel:
         """Raise the load (N) smoothly and wait for the outcome."""
         self.history.attempts += 1
         self.kept = State(
-            self.load,
-            self.engine.steps,
-            frozenset(self.cut_nodes),
-            frozenset(self.surroundings.lost),
+            self.load, self.engine.steps, frozenset(self.cut_nodes), self.surroundings.copy()
         )
         self.engine.send(f"write_restart {RESTART}")
         self.engine.fresh = True
@@ -136,7 +134,9 @@ class LiggghtsModel:
         share = f"(0.5-0.5*cos(PI*(step-{self.engine.steps})/{ramp}))"
         whole = f"{load!r}+({rise!r})*{share}" if rise else f"{load!r}"
         self.engine.send(
-            f"variable load equal {whole}", f"variable load_drag equal {drag * self.deck.drag!r}"
+            f"variable load equal {whole}",
+            f"variable load_drag equal {drag * self.deck.drag!r}",
+            *self.deck.pull(None if rise or self.engine.steps < self.deck.permanent_ramp else load),
         )
 
     def _cut(self, nodes: Iterable[int]) -> EngineOutcome:
@@ -160,9 +160,9 @@ class LiggghtsModel:
         No longer than until a bond is overstressed by more than it may swing back by: ``swing``
         times the unbalanced ratio.
         """
-        waited = 0
-        while waited < self.search.hold_steps:
-            if waited > SOON * self.search.hold_steps:
+        waited, hold = 0, self.search.hold_steps
+        while waited < hold:
+            if waited > SOON * hold:
                 self._set_load(self.load, drag=LESS_DRAG)
             steps = max(self.slice, waited // LOOKS)
             if outcome := self._goes_on(steps):
@@ -173,7 +173,7 @@ class LiggghtsModel:
             if swing < math.inf and most_used(self.utilisation()) > 1.0 + swing * unbalanced:
                 return EngineOutcome.OVERSTRESSED
             waited += steps
-            if waited > LATER * self.search.hold_steps and self.fall.runs_away():
+            if waited > LATER * hold and self.fall.goes_on():
                 break
         return self.surroundings.at_last(self.fall, self.motions())
 
@@ -187,15 +187,30 @@ class LiggghtsModel:
         motions = self.motions()
         if self.fall.sees(motions, steps):
             return self.fall.outcome(motions)
-        if lost := self.surroundings.look(motions):
-            self._lose(lost)
+        if changed := self.surroundings.look(motions):
+            for node in changed:
+                self.engine.send(*self._changed(node, motions))
+            if self.assembly.dry:  # atoms that were set go back without
+                self.engine.send("unfix bodies", BODIES)
+            self.engine.fresh = True
         return EngineOutcome.MEETING if self.met else None
 
-    def _lose(self, nodes: list[int]) -> None:
-        """Let nodes touch no more."""
-        spheres = [atom for node in nodes for atom in self.deck.atoms.spheres[node]]
-        self.engine.send(*(f"set atom {atom} type {self.deck.lone}" for atom in spheres))
-        self.engine.fresh = True
+    def _changed(self, number: int, motions: Sequence[PieceMotion]) -> Iterator[str]:
+        """Let a node touch no more, or put its spheres where it has gone."""
+        spheres, patch = self.deck.atoms.spheres[number], self.deck.patch_of[number]
+        if number in self.surroundings.lost:
+            yield from (f"set atom {atom} type {self.deck.lone}" for atom in spheres)
+            return
+        node = self.surroundings.nodes[number]
+        radii = node.radii(self.deck.point, self.deck.flat_radii[patch])
+        types = self.deck.patch_types[patch]
+        if node.vertex_above is not self.assembly.nodes[number].vertex_above:
+            types = types[1], types[0]  # it does not touch those that are as before
+        places = centres(self.assembly, node, radii, motions)
+        for atom, radius, kind, (x, y, z) in zip(spheres, radii, types, places, strict=True):
+            density = self.deck.atoms.light / (math.pi / 6 * (2 * radius) ** 3)
+            yield f"set atom {atom} type {kind} x {x!r} y {y!r} z {z!r}"
+            yield f"set atom {atom} diameter {2 * radius!r} density {density!r}"
 
     # --- measurements ----------------------------------------------------------------------------
     def _placed(self) -> dict[int, Placement]:

@@ -11,7 +11,6 @@ from typing import Any
 Vector = Sequence[float]
 
 LEAST_TENSION = 1e-6  # over the cohesion
-LARGEST_LOAD = 1e6  # over the first increment
 NEVER_FALLS = "in equilibrium up to a tilt of 180 degrees"
 LEAST_RAMP = 0.1  # of the time in which the whole load is raised
 
@@ -127,10 +126,30 @@ class GivenSideLoad:
 
 
 @dataclass(frozen=True)
+class SupportMove:
+    """A fixed piece, by index, that moves along a unit vector, or turns about it through a point.
+
+    The load is its movement then, in m, or in rad where ``about_m`` is that point.
+    """
+
+    piece: int
+    along: Vector
+    about_m: Vector | None = None
+
+    def place(self, centre: Vector, movement: float) -> list[float]:
+        """Where a point of the support that was at ``centre`` is after a ``movement``."""
+        if self.about_m is None:
+            return plus(centre, self.along, movement)
+        arm = plus(centre, self.about_m, -1.0)
+        return plus(self.about_m, turned(arm, self.along, movement))
+
+
+@dataclass(frozen=True)
 class Node:
     """A contact node: index of its face, position in m, tributary area in m2.
 
     It is a vertex of one piece on the flat side of the other: of the one above if ``vertex_above``.
+    Its position is where this vertex was built.
     """
 
     face: int
@@ -148,9 +167,9 @@ class GivenAssembly:
     """Pieces that meet across faces with nodes, and the loads on them; ``length_m``: mean size.
 
     ``axis``: a unit vector if gravity turns: what always acts turns about it, by the load over
-    `permanent_N` in radians. For elastic pieces only: ``sides``, the parts of the loads that act on
-    sides of pieces, the rest being spread over the volume; ``mesh_m`` and ``layout``: how the nodes
-    were made.
+    `permanent_N` in radians. ``support``: if one moves, see `SupportMove`. For elastic pieces only:
+    ``sides``, the parts of the loads that act on sides of pieces, the rest being spread over the
+    volume; ``mesh_m`` and ``layout``: how the nodes were made.
     """
 
     pieces: list[GivenPiece]
@@ -159,6 +178,7 @@ class GivenAssembly:
     loads: list[PieceLoad]
     length_m: float
     axis: Vector | None = None
+    support: SupportMove | None = None
     sides: Sequence[GivenSideLoad] = ()
     mesh_m: float | None = None
     layout: str = ""
@@ -167,6 +187,19 @@ class GivenAssembly:
     def free(self) -> list[int]:
         """Indices of the pieces that can move."""
         return [index for index, piece in enumerate(self.pieces) if not piece.fixed]
+
+    @cached_property
+    def dry(self) -> bool:
+        """Whether no face is bonded."""
+        return not any(face.cohesive for face in self.faces)
+
+    def plane_m(self, face: int) -> Vector:
+        """A point of the plane of a face, by index."""
+        return self._planes[face]
+
+    @cached_property
+    def _planes(self) -> dict[int, Vector]:
+        return {node.face: node.position_m for node in self.nodes}
 
     @property
     def permanent_N(self) -> float:
@@ -184,10 +217,10 @@ class GivenAssembly:
     def displacement(self, motion: Callable[[int], tuple[Vector, Vector]]) -> float:
         """The displacement that the load works on: its work per unit of load, in m.
 
-        ``motion``: displacement (m) and rotation (rad) of a piece, by index. Where gravity turns,
-        the direction changes: then how far pieces have moved, on average over their weights.
+        ``motion``: displacement (m) and rotation (rad) of a piece, by index. Where gravity turns or
+        a support moves: how far pieces have moved, on average over their weights.
         """
-        if self.axis is None:
+        if self.axis is None and self.support is None:
             return math.fsum(
                 dot(part.force, moved) + dot(part.moment_m, turn)
                 for part in self.loads
@@ -226,8 +259,9 @@ class GivenSearch:
     wait for equilibrium after an increment; ``period_steps``: of the assembly's longest natural
     period. ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
     ``collapse_m``: what has moved so far since then, and ever faster, falls. ``tolerance``:
-    last increment over the peak. ``guide``: where the search starts, if known.
-    ``half_turn_N``: the load at which gravity that turns has done so by 180 degrees, the last one.
+    last increment over the peak. ``last_N``: the load up to which it goes; ``no_peak``: what there
+    is to say where the assembly carries it. ``guide``: where the search starts, if known. ``unit``:
+    of loads, m or rad where they are movements of a support.
     """
 
     time_step_s: float
@@ -238,16 +272,14 @@ class GivenSearch:
     collapse_m: float
     first_increment_N: float
     tolerance: float
+    last_N: float = math.inf
+    no_peak: str = "the load grows without a peak"
     guide: Guide | None = None
-    half_turn_N: float | None = None
+    unit: str = "N"
 
-    def endless(self, load: float) -> str | None:
-        """Why no peak is expected beyond a ``load`` (N) that is carried; None if one is."""
-        if self.half_turn_N is not None and load > self.half_turn_N:
-            return NEVER_FALLS
-        if load > LARGEST_LOAD * self.first_increment_N:
-            return "the load grows without a peak"
-        return None
+    def said(self, load: float) -> str:
+        """A load in words."""
+        return f"{load:g} {self.unit}"
 
     def ramp(self, rise: float, whole: float) -> int:
         """Time steps in which a load is raised by ``rise``, to ``whole`` (N).
@@ -284,6 +316,7 @@ def assembly_of(data: dict[str, Any], materials: dict[str, dict[str, float]]) ->
         [PieceLoad(**load) for load in data["loads"]],
         data["length_m"],
         data["axis"],
+        SupportMove(**data["support"]) if data["support"] else None,
         [GivenSideLoad(**side) for side in data["sides"]],
         data["mesh_m"],
         data["layout"],

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .assembly import GivenSearch, Guide
-from .extrapolation import BEYOND, STOPS, STRIDE
 from .records import (
     EngineOutcome,
     EnginePeak,
@@ -16,6 +15,11 @@ from .records import (
     require_standing,
 )
 
+AT_ONCE = 0.9  # of the way to a load at which something is expected: so far in one go
+BEYOND = 0.01  # of a load at which something is expected: further on, nothing is any more
+HALF = 0.5  # of such a load: a stop on the way, as displacements do not grow quite in proportion
+STOPS = (HALF, AT_ONCE, 0.97, 0.99)  # of a load at which something is expected
+STRIDE = 2.0  # over the tolerance, the increment near a load at which something is expected
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 
@@ -121,9 +125,9 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
             near = load - start <= search.tolerance * (max(start, least) if first else start)
             if balanced and (near or not first):
                 break
-            print(f"{load:12.4f} N {'breaks' if first else 'fails'}", flush=True)
+            print(search.said(load), "breaks" if first else "fails", flush=True)
             if near:
-                mode = failure_mode(outcome, breaks, load, model.met)
+                mode = failure_mode(outcome, breaks, search.said(load), model.met)
                 if first_failure is None and breaks:
                     first_failure = start
                 return EnginePeak(start, load, first_failure, mode, nodes)
@@ -134,6 +138,6 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
         bracket.carries(load)
         if first:  # the first failure is found: on to the peak
             first_failure, bracket = load, bracket.towards_the_peak(guide)
-        print(f"{load:12.4f} N stands", flush=True)
-        if reason := search.endless(load):
-            raise NoAnswerError(reason)
+        print(search.said(load), "stands", flush=True)
+        if load > search.last_N:
+            raise NoAnswerError(search.no_peak)

@@ -9,7 +9,7 @@ from .records import EngineOutcome
 
 STILL_FASTEST = 0.9  # of its largest speed since the last equilibrium: less is coming to rest
 STEADY = 0.1  # of the way in the first half of the time: less in the second is coming to rest
-FASTER = 1.1  # times the way in the time before: more is running away
+SLOWER = 0.95  # times the way in the time before: more goes on
 SWING = 1e-4  # over the motion that is a fall: less may be a swing
 DRIVEN = 0.01  # displacement that the load works on over the motion: less is a drift
 
@@ -50,19 +50,20 @@ class Fall:
         self.fastest = max(self.fastest, (moved - before) / steps)
         return moved > self.limit and moved - before >= STILL_FASTEST * self.fastest * steps
 
-    def runs_away(self) -> bool:
-        """Whether a piece has been faster in the last third of the time than in the second one."""
-        second, last, end = self._after(1 / 3), self._after(2 / 3), self.way[-1][1]
-        return end - last > max(FASTER * (last - second), SWING * self.limit)
+    def goes_on(self) -> bool:
+        """Whether a piece has hardly slowed down from the second third of the time to the last."""
+        end, moved = self.way[-1]
+        second, last = self._at(end / 3), self._at(2 * end / 3)
+        return moved - last > max(SLOWER * (last - second), SWING * self.limit)
 
-    def _after(self, share: float) -> float:
-        """How far (m) a piece had moved after a ``share`` of the time."""
-        end = self.way[-1][0]
-        return next(far for time, far in self.way if time >= share * end)
+    def _at(self, when: float) -> float:
+        """How far (m) a piece had moved by then."""
+        return next(far for time, far in self.way if time >= when)
 
     def at_last(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
         """Outcome where nobody waits longer: just above the peak, pieces may fall very slowly."""
-        middle, moved = self._after(1 / 2), self.way[-1][1]
+        end, moved = self.way[-1]
+        middle = self._at(end / 2)
         goes_on = moved - middle > max(STEADY * middle, SWING * self.limit)
         return self.outcome(motions) if goes_on else EngineOutcome.UNSETTLED
 
@@ -90,8 +91,16 @@ def way(assembly: GivenAssembly, piece: int, since: PieceMotion, now: PieceMotio
 def moved(position: Vector, centre: Vector, motion: PieceMotion) -> list[float]:
     """Displacement (m) of a point of a piece with this ``centre``."""
     arm = plus(position, centre, -1.0)
-    angle = length(motion.rotation)
-    if angle == 0.0:
-        return list(motion.displacement)
-    axis = [part / angle for part in motion.rotation]
-    return plus(motion.displacement, plus(turned(arm, axis, angle), arm, -1.0))
+    return plus(motion.displacement, plus(spun(arm, motion.rotation), arm, -1.0))
+
+
+def built(position: Vector, centre: Vector, motion: PieceMotion) -> list[float]:
+    """Where the point of a piece was at the start that is at ``position`` (m) now."""
+    back = [-part for part in motion.rotation]
+    return plus(centre, spun(plus(plus(position, centre, -1.0), motion.displacement, -1.0), back))
+
+
+def spun(vector: Vector, rotation: Vector) -> list[float]:
+    """A ``vector`` turned by a rotation vector (rad)."""
+    angle = length(rotation)
+    return turned(vector, [part / angle for part in rotation], angle) if angle else list(vector)

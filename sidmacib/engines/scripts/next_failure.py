@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import GivenSearch
-from .extrapolation import AT_ONCE, BEYOND, HALF, STOPS, STRIDE, failure_ahead
+from .increments import AT_ONCE, BEYOND, GROWTH, HALF, LEAST_INCREMENT, STOPS, STRIDE
 from .records import (
     BONDS,
     EngineOutcome,
@@ -17,8 +17,7 @@ from .records import (
     require_standing,
 )
 
-GROWTH = 1.5  # of the increment while the load is carried
-LEAST_INCREMENT = 1e-9  # over the first: less is no load
+APART = 0.05  # of the load, between equilibria that give a slope
 NEAR = 0.01  # of a load: what is as near to it is reached in one go
 AFTER = 0.05  # of the load, the first increment after a failure: the next one may be near
 TOGETHER = 1e-4  # nodes whose utilisations differ by less fail together
@@ -49,17 +48,40 @@ class CutModel(Protocol):
         """Add the state to the history; forces of all nodes."""
 
 
-def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
+def failure_ahead(used: Sequence[tuple[float, float]], otherwise: float) -> float:
+    """The load (N) at which the most used bond will reach its strength, if all stays linear.
+
+    ``used``: loads (N) and largest utilisations of the last equilibria; ``otherwise`` where they
+    give no slope, which is taken over some distance, as every equilibrium is still a bit off.
+    """
+    load, most = used[-1]
+    far = [(0.0, 0.0), *(point for point in used[:-1] if point[0] <= (1.0 - APART) * load)]
+    before, less = far[-1]
+    if not (load > before and less < most < math.inf):
+        return otherwise
+    return load + (1.0 - most) * (load - before) / (most - less)
+
+
+def next_load(
+    used: Sequence[tuple[float, float]],
+    increment: float,
+    tolerance: float,
+    failed: float = math.inf,
+) -> float:
     """The load to go to (N): at most just below the next failure, where that can be predicted.
 
-    ``used``: loads and largest utilisations of the last equilibria; all but linear.
+    ``used``: loads and largest utilisations of the last equilibria; all but linear. Half the way
+    to a load that ``failed``, and to that once more from nearby.
     """
     load = used[-1][0]
     failure = (1.0 - tolerance / 2) * failure_ahead(used, math.inf)
     # Near a failure all the way to it, otherwise most of it.
     share = 1.0 if failure - load < NEAR * failure else AT_ONCE
     furthest = min(load + increment, load + share * (failure - load))
-    return max(furthest, load * (1.0 + tolerance / 4))
+    furthest = max(furthest, load * (1.0 + tolerance / 4))
+    if furthest < failed or failed <= load * (1.0 + tolerance):
+        return min(furthest, failed)
+    return (load + failed) / 2
 
 
 def towards_mechanism(load: float, expected: float, tolerance: float) -> float:
@@ -97,7 +119,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
     increment = HALF * expected or first
-    first_failure, before = None, list[tuple[float, float]]()
+    first_failure, before, failed = None, list[tuple[float, float]](), math.inf
     used = model.utilisation()
     bonds = bool(used)
     while True:
@@ -108,15 +130,15 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
         if most >= 1.0 - tolerance:
             first_failure = peak if first_failure is None else first_failure
             outcome, used = _cascade(model, used, tolerance)
-            require_contacts(outcome, peak, model.met)
+            require_contacts(outcome, search.said(peak), model.met)
             if outcome is not EngineOutcome.EQUILIBRIUM:
                 model.record(peak, outcome.value)
                 return EnginePeak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
-            before, increment, expected = [], max(first / 4, AFTER * peak), 0.0
+            before, increment, expected, failed = [], max(first / 4, AFTER * peak), 0.0, math.inf
             continue
         if search.guide and not bonds and peak <= (1.0 + BEYOND) * search.guide.peak_N:
             increment = towards_mechanism(peak, search.guide.peak_N, tolerance)
-        load = next_load(before, increment, tolerance)
+        load = next_load(before, increment, tolerance, failed)
         while True:
             outcome = model.raised(load)
             balanced = outcome is EngineOutcome.EQUILIBRIUM
@@ -125,21 +147,23 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
             near = load - peak <= tolerance * max(peak, first)
             if balanced and (over <= 1.0 + tolerance or near):
                 break  # what is overstressed from one load to the next is cut there
-            print(f"{load:12.4f} N {'breaks' if balanced else 'fails'}", flush=True)
+            print(search.said(load), "breaks" if balanced else "fails", flush=True)
             model.record(load, EngineOutcome.OVERSTRESSED.value if balanced else outcome.value)
             if near:
-                mode = failure_mode(outcome, False, load, model.met)
+                mode = failure_mode(outcome, False, search.said(load), model.met)
                 return EnginePeak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
             known = balanced and math.isfinite(over)
             share = (1.0 - tolerance / 2 - most) / (over - most) if known else 0.5
             increment = share * (load - peak)
+            failed = load if not balanced else failed
             model.back()
             load = peak + increment
-        print(f"{load:12.4f} N stands", flush=True)
-        if reason := search.endless(load):
-            raise NoAnswerError(reason)
+        failed = failed if load < failed else math.inf
+        print(search.said(load), "stands", flush=True)
+        if load > search.last_N:
+            raise NoAnswerError(search.no_peak)
         increment *= GROWTH if load >= expected else 1.0
 
 

@@ -139,21 +139,21 @@ class History:
         Path(RESULT).write_text(json.dumps(result, indent=1) + "\n")
 
 
-def require_contacts(outcome: EngineOutcome | None, load: float, met: str | None) -> None:
-    """Exit with the reason if pieces have ``met`` at ``load`` (N): what follows is not known."""
+def require_contacts(outcome: EngineOutcome | None, load: str, met: str | None) -> None:
+    """Exit with the reason if pieces have ``met`` at a ``load``: what follows is not known."""
     if outcome is EngineOutcome.MEETING:
-        raise NoAnswerError(f"no peak: at {load:g} N {met}, and contacts there are not modelled")
+        raise NoAnswerError(f"no peak: at {load} {met}, and contacts there are not modelled")
 
 
 def require_standing(outcome: EngineOutcome, met: str | None) -> None:
     """Exit with the reason if the assembly does not stand without the load."""
-    require_contacts(outcome, 0.0, met)
+    require_contacts(outcome, "0 N", met)
     if outcome is not EngineOutcome.EQUILIBRIUM:
         raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
 
 
-def failure_mode(outcome: EngineOutcome, breaks: bool, load: float, met: str | None) -> str:
-    """Mode of failure of the assembly at ``load`` (N); exits with a reason if it did not fail."""
+def failure_mode(outcome: EngineOutcome, breaks: bool, load: str, met: str | None) -> str:
+    """Mode of failure of the assembly at a ``load``; exits with a reason if it did not fail."""
     require_contacts(outcome, load, met)
     if breaks:
         return BONDS
@@ -161,7 +161,7 @@ def failure_mode(outcome: EngineOutcome, breaks: bool, load: float, met: str | N
         return MECHANISM
     drifts = outcome is EngineOutcome.DRIFT
     words = "drift off where the load does no work" if drifts else "neither rest nor fall"
-    raise NoAnswerError(f"no peak: at {load:g} N no bond breaks, and the pieces {words}")
+    raise NoAnswerError(f"no peak: at {load} no bond breaks, and the pieces {words}")
 
 
 def node_row(assembly: GivenAssembly, number: int, force: NodeForce) -> Row:

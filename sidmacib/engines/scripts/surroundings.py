@@ -1,81 +1,144 @@
 """What moved pieces touch: vertices that have left a side, and pieces that have met.
 
-Contacts are only those that the assembly has at the start. Where pieces meet elsewhere, the engine
-cannot say what follows.
+A vertex that passes an edge of the side that it touches leaves its contact to this edge, or loses
+it. pieces meet that had no interface, the engine cannot say what follows.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import chain, combinations, product
 
-from .assembly import GivenAssembly, GivenSolid, Node, cross, dot, length, plus
-from .motion import STILL, Fall, PieceMotion, moved, way
+from .assembly import GivenAssembly, GivenSolid, Node, Vector, cross, dot, length, plus
+from .motion import STILL, Fall, PieceMotion, built, moved, spun, way
 from .records import EngineOutcome
 
-BEYOND_EDGE = 0.05  # over the mean size of pieces: a vertex further outside a side has left it
+# Over the mean size of pieces, how far a vertex may be outside a side: one that was built inside;
+# one beside bonds, or that was built at its edge, as a corner of both pieces; one that takes the
+# place of another.
+BEYOND_EDGE, BEYOND_CORNER, AT_EDGE = 0.002, 0.05, 0.0002
 MET = 0.01  # over that size: pieces that overlap by more have met
-LOOK = 0.01  # over that size: the motion from one look at the surroundings to the next
+LOOK = 0.005  # over that size: the motion from one look at the surroundings to the next
 PARALLEL = 1e-6  # sine of the angle of edges that have no normal in common
 
 
 class Surroundings:
     """Looks at what pieces touch whenever one of them has moved on.
 
-    ``lost``: numbers of the nodes whose vertex has left the side that it touched. ``met``: which
-    two pieces have met, in words.
+    ``nodes``: those of the assembly, or what has taken their places. ``lost``: numbers of those
+    that have left the side that they touched. ``met``: which two pieces have met, in words.
     """
 
-    def __init__(self, assembly: GivenAssembly, lost: Iterable[int] = ()) -> None:
-        self.assembly, self.lost = assembly, set(lost)
+    def __init__(
+        self, assembly: GivenAssembly, nodes: Sequence[Node] = (), lost: Iterable[int] = ()
+    ) -> None:
+        self.assembly, self.nodes, self.lost = assembly, list(nodes or assembly.nodes), set(lost)
         self.met: str | None = None
         self.looked = [STILL] * len(assembly.pieces)
 
+    def copy(self) -> "Surroundings":
+        """The same nodes, before any look."""
+        return Surroundings(self.assembly, self.nodes, self.lost)
+
     def look(self, motions: Sequence[PieceMotion]) -> list[int]:
-        """Nodes that are lost since the last look, which was long ago if a piece has moved far."""
+        """Numbers of nodes that are lost or replaced since the last look.
+
+        That was long ago if a piece has moved far.
+        """
         least = LOOK * self.assembly.length_m
         if all(
             way(self.assembly, piece, self.looked[piece], motions[piece]) <= least
-            for piece in self.assembly.free
+            for piece in range(len(motions))
         ):
             return []
-        off = [
-            number
-            for number, node in enumerate(self.assembly.nodes)
-            if number not in self.lost and _is_off(self.assembly, node, motions)
-        ]
-        self.looked = list(motions)
-        self.lost.update(off)
-        self.met = meeting(self.assembly, motions, self.lost)
+        self.looked, off = list(motions), []
+        for number, node in enumerate(self.nodes):
+            if number not in self.lost and (edge := _edge_passed(self.assembly, node, motions)):
+                off.append(number)
+                other = _on_edge(self.assembly, node, motions, edge)
+                # Beside bonds, which stay where they are, nodes are close to each other.
+                bonds = not self.assembly.dry
+                if bonds or _edge_passed(self.assembly, other, motions, new=True):
+                    self.lost.add(number)
+                else:
+                    self.nodes[number] = other
+        self.met = meeting(self.assembly, motions, self.nodes, self.lost)
         return off
 
     def at_last(self, fall: Fall, motions: Sequence[PieceMotion]) -> EngineOutcome:
         """`Fall.at_last`, unless pieces that go on as they do meet before they have fallen."""
         outcome = fall.at_last(motions)
         if outcome is not EngineOutcome.UNSETTLED:
-            self.met = meeting(self.assembly, fall.ahead(motions), self.lost)
+            self.met = meeting(self.assembly, fall.ahead(motions), self.nodes, self.lost)
         return EngineOutcome.MEETING if self.met else outcome
 
 
-def _slip(assembly: GivenAssembly, node: Node, motions: Sequence[PieceMotion]) -> list[float]:
-    """How a node's vertex has moved (m) from where the other piece's side has moved to."""
+def on_flat_side(
+    assembly: GivenAssembly, node: Node, motions: Sequence[PieceMotion]
+) -> tuple[list[float], float]:
+    """Where a node's vertex is on the other piece's flat side, which is where it was built.
+
+    And how far it is above the plane of the face, on the side of the piece above it.
+    """
     face = assembly.faces[node.face]
-    above, below = (
-        moved(node.position_m, assembly.pieces[piece].centre_m, motions[piece])
-        for piece in (face.above, face.below)
-    )
-    return plus(above, below, -1.0) if node.vertex_above else plus(below, above, -1.0)
+    vertex, flat = (face.above, face.below) if node.vertex_above else (face.below, face.above)
+    there = moved(node.position_m, assembly.pieces[vertex].centre_m, motions[vertex])
+    now = plus(node.position_m, there)
+    place = built(now, assembly.pieces[flat].centre_m, motions[flat])
+    above = dot(plus(place, assembly.plane_m(node.face), -1.0), face.normal)
+    return plus(place, face.normal, -above), above
 
 
-def _is_off(assembly: GivenAssembly, node: Node, motions: Sequence[PieceMotion]) -> bool:
-    """Whether a node's vertex is off the other piece's side."""
-    face = assembly.faces[node.face]
-    place = plus(node.position_m, _slip(assembly, node, motions))
-    most = BEYOND_EDGE * assembly.length_m
-    edges = face.edges_below if node.vertex_above else face.edges_above
-    return any(dot(place, edge[:3]) - edge[3] > most for edge in edges)
+def centres(
+    assembly: GivenAssembly, node: Node, radii: tuple[float, float], motions: Sequence[PieceMotion]
+) -> tuple[list[float], list[float]]:
+    """Centres (m) of a node's spheres below and above, where its pieces have moved to.
+
+    That of the vertex touches it, that of the flat side its plane.
+    """
+    face, (place, above) = assembly.faces[node.face], on_flat_side(assembly, node, motions)
+    flat = face.below if node.vertex_above else face.above
+    middle, motion = assembly.pieces[flat].centre_m, motions[flat]
+    under, over = (above, 0.0) if not node.vertex_above else (0.0, above)
+    found = []
+    for height in (under - radii[0], over + radii[1]):
+        position = plus(place, face.normal, height)
+        found.append(plus(position, moved(position, middle, motion)))
+    return found[0], found[1]
+
+
+def _edge_passed(
+    assembly: GivenAssembly, node: Node, motions: Sequence[PieceMotion], new: bool = False
+) -> Vector | None:
+    """An edge of the flat side that a node's vertex has passed, if any; ``new``: as one that is."""
+    face, (place, _) = assembly.faces[node.face], on_flat_side(assembly, node, motions)
+    flat, own = face.edges_below, face.edges_above
+    if not node.vertex_above:
+        flat, own = own, flat
+
+    def beyond(position: Vector, edge: Vector) -> float:
+        return (dot(position, edge[:3]) - edge[3]) / assembly.length_m
+
+    corner = sum(beyond(node.position_m, edge) >= -AT_EDGE for edge in own) > 1
+    for edge in flat:
+        both = not assembly.dry or (corner and beyond(node.position_m, edge) >= -AT_EDGE)
+        if beyond(place, edge) > (AT_EDGE if new else BEYOND_CORNER if both else BEYOND_EDGE):
+            return edge
+    return None
+
+
+def _on_edge(
+    assembly: GivenAssembly, node: Node, motions: Sequence[PieceMotion], edge: Vector
+) -> Node:
+    """The node where a vertex has passed an ``edge``: a point of this on the side of the other."""
+    place, _ = on_flat_side(assembly, node, motions)
+    back = plus(place, edge[:3], edge[3] - dot(place, edge[:3]))
+    return Node(node.face, back, node.area_m2, not node.vertex_above)
 
 
 def meeting(
-    assembly: GivenAssembly, motions: Sequence[PieceMotion], lost: Collection[int] = ()
+    assembly: GivenAssembly,
+    motions: Sequence[PieceMotion],
+    every: Sequence[Node],
+    lost: Collection[int] = (),
 ) -> str | None:
     """Which two pieces overlap without a contact there, in words; None if none do.
 
@@ -86,13 +149,15 @@ def meeting(
     least = MET * assembly.length_m
     for one, other in _near(assembly, motions, least):
         deep = _overlap(one, other, least)
-        if deep <= least or deep <= least + max(0.0, _overlap(one.built(), other.built(), 0.0)):
+        if deep <= least or deep <= least + max(
+            0.0, _overlap(one.at_start(), other.at_start(), 0.0)
+        ):
             continue
         pair = {one.piece, other.piece}
         faces = [n for n, face in enumerate(assembly.faces) if {face.below, face.above} == pair]
-        nodes = [n for n, node in enumerate(assembly.nodes) if node.face in faces]
+        nodes = [n for n, node in enumerate(every) if node.face in faces]
         left = [n for n in nodes if n not in lost]
-        pressed = (_pressed(assembly, assembly.nodes[n], motions) for n in left)
+        pressed = (_pressed(assembly, every[n], motions) for n in left)
         if not faces or (left != nodes and deep > least + max(pressed, default=0.0)):
             where = "beyond their interface" if faces else "where they had no interface"
             first, second = (assembly.pieces[each.piece].name for each in (one, other))
@@ -101,14 +166,9 @@ def meeting(
 
 
 def _pressed(assembly: GivenAssembly, node: Node, motions: Sequence[PieceMotion]) -> float:
-    """How far (m) a node's vertex has moved into the side, whose normal turns with its piece."""
-    face = assembly.faces[node.face]
-    turn = PieceMotion(
-        STILL.displacement, motions[face.below if node.vertex_above else face.above].rotation
-    )
-    normal = plus(face.normal, moved(face.normal, STILL.displacement, turn))
-    into = dot(_slip(assembly, node, motions), normal)
-    return -into if node.vertex_above else into
+    """How far (m) a node's vertex has moved into the flat side."""
+    above = on_flat_side(assembly, node, motions)[1]
+    return -above if node.vertex_above else above
 
 
 class _Placed:
@@ -118,16 +178,14 @@ class _Placed:
         self, piece: int, solid: GivenSolid, motion: PieceMotion, assembly: GivenAssembly
     ) -> None:
         centre = assembly.pieces[piece].centre_m
-        turn = PieceMotion((0.0, 0.0, 0.0), motion.rotation)
         self.piece, self.solid, self.assembly = piece, solid, assembly
         self.corners = [plus(c, moved(c, centre, motion)) for c in solid.corners_m]
         self.normals, self.edges = (
-            [plus(each, moved(each, (0.0, 0.0, 0.0), turn)) for each in ways]
-            for ways in (solid.normals, solid.edges)
+            [spun(each, motion.rotation) for each in ways] for ways in (solid.normals, solid.edges)
         )
         self.low, self.high = (list(map(f, *self.corners)) for f in (min, max))
 
-    def built(self) -> "_Placed":
+    def at_start(self) -> "_Placed":
         """The solid where it was at the start."""
         return _Placed(self.piece, self.solid, STILL, self.assembly)
 

@@ -7,17 +7,27 @@ the piece with the flat side is large, so that the normal turns with this one.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from ..scripts.assembly import GivenAssembly, GivenFace, GivenMaterial, GivenSearch
-from ..scripts.motion import Fall, PieceMotion
-from ..scripts.records import EngineOutcome, History, NoAnswerError, NodeForce, require_contacts
-from ..scripts.surroundings import Surroundings
-from .program import O, Vector3, create_interaction, wrapper
+from ..scripts.assembly import (
+    GivenAssembly,
+    GivenMaterial,
+    GivenSearch,
+    Node,
+    SupportMove,
+)
+from ..scripts.motion import STILL, Fall, PieceMotion
+from ..scripts.records import EngineOutcome, History, NodeForce
+from ..scripts.surroundings import Surroundings, centres
+from .contacts import contact, keep_in_tension, node_force, watch, without_friction_of_bonds
+from .program import O, Vector3, wrapper
 
 SLICE = 10  # time steps between two looks at the assembly
+SLOW = 0.02  # largest acceleration of what is moved over that of gravity
+FOLLOWS = 10.0  # motion of a piece over that of a support: what moves further does not follow it
 HEAVY = 1e24  # mass of the sphere at a piece's centroid over those of contact spheres
 
 
@@ -26,7 +36,7 @@ class YadeSettings:
     """The parts that only YADE has.
 
     ``point_m``, ``flat_m``: radii of spheres that are vertices and flat sides. ``damping``:
-    Cundall's, not viscous. ``ductile``: whether inner faces keep their strength once it is reached.
+    Cundall's, not viscous. ``ductile``: whether inner faces keep their strength once reached.
     """
 
     point_m: float
@@ -45,31 +55,24 @@ class YadeModel:
         self.history = history
         self.breakable = not settings.ductile
         self.face_of = [assembly.faces[node.face] for node in assembly.nodes]
+        self._material_of = lru_cache(maxsize=None)(self._add_material)
         O.reset()  # it may hold another model
         self.clumps, self.pairs = self._build()
         # Node forces, while nothing has moved since, and those of the state that was kept.
         self.seen: list[NodeForce] | None = None
-        self.kept: tuple[list[NodeForce] | None, set[int]] = None, set()
         self.surroundings = Surroundings(assembly)
+        self.keep()
         self.free = [self.clumps[index] for index in assembly.free]
 
     # --- bodies ----------------------------------------------------------------------------------
     def _build(self) -> tuple[list[int], list[tuple[int, int]]]:
         """Make spheres, clumps and engines; ids of each piece's clump and each node's spheres."""
-        material_of = lru_cache(maxsize=None)(self._add_material)
         members: list[list[int]] = [[] for _ in self.assembly.pieces]
-        pairs = []
-        for node, face in zip(self.assembly.nodes, self.face_of, strict=True):
-            below, above = node.radii(self.settings.point_m, self.settings.flat_m)
-            normal, place = Vector3(face.normal), Vector3(node.position_m)
-            law = face.material, face.cohesive, node.area_m2
-            pair = (
-                self._add_sphere(place - below * normal, below, material_of(*law, below)),
-                self._add_sphere(place + above * normal, above, material_of(*law, above)),
-            )
+        still = [STILL] * len(members)
+        pairs = [self._add_pair(node, still) for node in self.assembly.nodes]
+        for pair, face in zip(pairs, self.face_of, strict=True):
             members[face.below].append(pair[0])
             members[face.above].append(pair[1])
-            pairs.append(pair)
         clumps = self._clump(members)
         O.dt = self.search.time_step_s
         detection = wrapper.Ig2_Sphere_Sphere_ScGeom6D(
@@ -85,13 +88,42 @@ class YadeModel:
             ),
             wrapper.NewtonIntegrator(damping=self.settings.damping, gravity=(0, 0, 0)),
         ]
-        _watch(pairs)
+        watch(pairs)
         O.step()  # bonds form now, and never again
-        _without_friction_of_bonds(pairs, self.face_of)
+        without_friction_of_bonds(pairs, self.face_of)
         if self.settings.ductile:
-            _keep_in_tension(pairs)
+            keep_in_tension(pairs)
         detection.interactionDetectionFactor = 1.0
         return clumps, pairs
+
+    def _add_pair(self, node: Node, motions: Sequence[PieceMotion]) -> tuple[int, int]:
+        """Spheres of a node where its pieces have moved to, not in clumps yet; their ids."""
+        face = self.assembly.faces[node.face]
+        law = face.material, face.cohesive, node.area_m2
+        radii = node.radii(self.settings.point_m, self.settings.flat_m)
+        below, above = (
+            self._add_sphere(Vector3(centre), radius, self._material_of(*law, radius))
+            for centre, radius in zip(
+                centres(self.assembly, node, radii, motions), radii, strict=True
+            )
+        )
+        return below, above
+
+    def _replace(self, number: int, motions: Sequence[PieceMotion]) -> None:
+        """Put new spheres into the clumps for a node that has been replaced."""
+        face = self.face_of[number]
+        self.pairs[number] = self._add_pair(self.surroundings.nodes[number], motions)
+        for piece, sphere in zip((face.below, face.above), self.pairs[number], strict=True):
+            state = O.bodies[self.clumps[piece]].state
+            turn, motion = (
+                state.ori * state.refOri.conjugate(),
+                (1.0 * state.vel, 1.0 * state.angVel),
+            )
+            # It stops the clump, and chooses other axes for it.
+            O.bodies.addToClump([sphere], self.clumps[piece])
+            self._weigh(piece, state)
+            state.vel, state.angVel = motion
+            state.refOri = turn.conjugate() * state.ori
 
     def _add_material(self, law: GivenMaterial, cohesive: bool, area: float, radius: float) -> int:
         """Material of a sphere of this radius (m) at a node with this area (m2).
@@ -133,26 +165,31 @@ class YadeModel:
         radius = self.settings.point_m
         heavy = int(O.materials.append(wrapper.CohFrictMat(density=HEAVY / radius**3)))
         clumps = []
-        for piece, spheres in zip(self.assembly.pieces, members, strict=True):
+        for index, spheres in enumerate(members):
+            piece = self.assembly.pieces[index]
             spheres.append(self._add_sphere(Vector3(piece.centre_m), radius, heavy))
             clumps.append(int(O.bodies.clump(spheres)))
             state = O.bodies[clumps[-1]].state
-            state.mass = piece.mass_kg
-            # The same about all axes: the clump's frame may be turned against the cuboid's.
-            state.inertia = piece.inertia_kgm2 * Vector3.Ones
+            self._weigh(index, state)
             state.refPos, state.refOri = state.pos, state.ori  # displacements count from here
             if piece.fixed:
                 O.bodies[clumps[-1]].dynamic = False
                 state.blockedDOFs = "xyzXYZ"
         return clumps
 
+    def _weigh(self, piece: int, state: Any) -> None:
+        """Give a clump's ``state`` the mass and inertia of its piece, by index."""
+        state.mass = self.assembly.pieces[piece].mass_kg
+        # The same about all axes: the clump's frame may be turned against the cuboid's.
+        state.inertia = self.assembly.pieces[piece].inertia_kgm2 * Vector3.Ones
+
+    # --- loads and measurements ------------------------------------------------------------------
     @property
     def met(self) -> str | None:
         """Which two pieces have met, in words."""
         return self.surroundings.met
 
-    # --- loads and measurements ------------------------------------------------------------------
-    def _apply(self, load: float, permanent: float) -> None:
+    def apply(self, load: float, permanent: float) -> None:
         """Put the load (N) and a share of the permanent loads on the pieces."""
         always = self.assembly.always(load)
         forces = [permanent * Vector3(force) for force, _ in always]
@@ -163,6 +200,28 @@ class YadeModel:
         for index in self.assembly.free:
             O.forces.setPermF(self.clumps[index], forces[index])
             O.forces.setPermT(self.clumps[index], moments[index])
+        if self.assembly.support:
+            self._move_support(self.assembly.support, load)
+
+    def _move_support(self, support: SupportMove, movement: float) -> None:
+        """Give the support the velocity that brings it there (m or rad) in the next slice."""
+        state, duration = O.bodies[self.clumps[support.piece]].state, SLICE * O.dt
+        centre = self.assembly.pieces[support.piece].centre_m
+        state.vel = (Vector3(support.place(centre, movement)) - state.pos) / duration
+        if support.about_m is not None:
+            turned = self._motion(support.piece).rotation
+            state.angVel = (movement * Vector3(support.along) - Vector3(turned)) / duration
+
+    def reaction(self) -> float:
+        """Force (N) of the pieces on the support along its movement, or moment (N m) about it."""
+        support = self.assembly.support
+        assert support is not None
+        clump = self.clumps[support.piece]
+        along, force = Vector3(support.along), O.forces.f(clump, sync=True)
+        if support.about_m is None:
+            return float(along.dot(force))
+        arm = O.bodies[clump].state.pos - Vector3(support.about_m)
+        return float(along.dot(O.forces.t(clump) + arm.cross(force)))
 
     def displacement(self) -> float:
         """The displacement that the load works on, in m, see `GivenAssembly.displacement`."""
@@ -189,13 +248,14 @@ class YadeModel:
             )
             for clump in self.free
         )
+        load = 0.0 if self.assembly.support else load
         return float(total / len(self.free) / max(load, self.assembly.permanent_N))
 
     def node_forces(self) -> list[NodeForce]:
         """Forces of all nodes."""
         if self.seen is None:
             self.seen = [
-                _node_force(pair, face) for pair, face in zip(self.pairs, self.face_of, strict=True)
+                node_force(pair, face) for pair, face in zip(self.pairs, self.face_of, strict=True)
             ]
         return self.seen
 
@@ -212,15 +272,23 @@ class YadeModel:
         """Raise the load smoothly from start to end (N) and wait for the outcome."""
         self.history.attempts += 1
         rise = end - start + (permanent[1] - permanent[0]) * self.assembly.permanent_N
-        ramp = self.search.ramp(rise, end)
-        fall = Fall(self.assembly, self.search.collapse_m, self.motions())
+        ramp, follows = self.search.ramp(rise, end), 0.0
+        if self.assembly.support:
+            turns = self.assembly.support.about_m is not None
+            follows = (end - start) * (self.assembly.length_m if turns else 1.0)  # m
+            ramp = max(ramp, self.slowly(follows))
+        limit = self.search.collapse_m
+        fall = Fall(self.assembly, limit + FOLLOWS * follows, self.motions())
         for step in range(SLICE, ramp + SLICE, SLICE):
             share = 0.5 - 0.5 * math.cos(math.pi * min(1.0, step / ramp))
             load = start + share * (end - start)
-            self._apply(load, permanent[0] + share * (permanent[1] - permanent[0]))
+            self.apply(load, permanent[0] + share * (permanent[1] - permanent[0]))
             if outcome := self._goes_on(fall):
                 return self._ended(load, outcome)
-        self._record(end, "loaded")
+        if self.assembly.support:
+            self.apply(end, permanent[1])  # it stays there
+            fall = Fall(self.assembly, limit, self.motions())
+        self.record(end, "loaded")
         for _ in range(0, self.search.hold_steps, SLICE):
             if outcome := self._goes_on(fall):
                 return self._ended(end, outcome)
@@ -228,101 +296,67 @@ class YadeModel:
                 return self._ended(end, EngineOutcome.EQUILIBRIUM)
         return self._ended(end, self.surroundings.at_last(fall, self.motions()))
 
-    def pulled(self, stiffness: float, ends: tuple[float, float]) -> float:
-        """The load (N) of a spring (N/m) that pulls along it, at rest.
-
-        ``ends``: its end moves from the one to the other (m). Exits with a reason where there is no
-        rest, or pieces meet.
-        """
-        before, after = ends
-        for step in range(0, self.search.ramp_steps + self.search.hold_steps, SLICE):
-            end = before + min(1.0, step / self.search.ramp_steps) * (after - before)
-            load = stiffness * (end - self.displacement())
-            self._apply(load, 1.0)
-            self._advance()
-            require_contacts(EngineOutcome.MEETING if self.met else None, load, self.met)
-            rests = self.unbalanced_ratio(load) < self.search.unbalanced_ratio
-            if step > self.search.ramp_steps and rests:
-                self._record(load, EngineOutcome.EQUILIBRIUM.value)
-                return load
-        raise NoAnswerError(f"no rest at a displacement of {self.displacement():.6g} m")
+    def slowly(self, far: float) -> int:
+        """Time steps in which inertia hardly matters to what moves ``far`` (m), smoothly."""
+        mass = math.fsum(self.assembly.pieces[index].mass_kg for index in self.assembly.free)
+        acceleration = SLOW * self.assembly.permanent_N / mass
+        return math.ceil(math.pi * math.sqrt(far / 2.0 / acceleration) / O.dt)
 
     def _goes_on(self, fall: Fall) -> EngineOutcome | None:
         """Advance by a slice of time steps; the outcome if pieces fall or meet."""
-        motions = self._advance()
+        motions = self.advance()
         if fall.sees(motions, SLICE):
             return fall.outcome(motions)
         return EngineOutcome.MEETING if self.met else None
 
-    def _advance(self) -> list[PieceMotion]:
+    def advance(self) -> list[PieceMotion]:
         """Motions after a slice of time steps; nodes whose vertex has left its side are lost."""
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
         self.seen, motions = None, self.motions()
-        for node in self.surroundings.look(motions):
-            O.interactions.erase(*self.pairs[node])
+        if changed := self.surroundings.look(motions):
+            self._change(changed, motions)
         return motions
 
+    def _change(self, nodes: Sequence[int], motions: Sequence[PieceMotion]) -> None:
+        """Let nodes that are lost touch no more; others go on where they have gone."""
+        touched = [(node, c) for node in nodes if (c := contact(self.pairs[node]))]
+        shear = [(node, 1.0 * found.phys.shearForce) for node, found in touched]
+        for node in nodes:
+            O.interactions.erase(*self.pairs[node])  # which only opens it
+            if node not in self.surroundings.lost:
+                self._replace(node, motions)
+        O.interactions.eraseNonReal()
+        self._watch_all()
+        O.step()
+        for node, force in shear:
+            if found := contact(self.pairs[node]):
+                found.phys.shearForce = force
+
+    def _watch_all(self) -> None:
+        """Have every node that is not lost looked at in each step."""
+        lost = self.surroundings.lost
+        watch([pair for node, pair in enumerate(self.pairs) if node not in lost])
+
     def _ended(self, load: float, outcome: EngineOutcome) -> EngineOutcome:
-        self._record(load, outcome.value)
+        self.record(load, outcome.value)
         return outcome
 
-    def _record(self, load: float, stage: str) -> None:
-        self.history.record(
-            load, stage, self.displacement(), self.unbalanced_ratio(load), self.node_forces()
-        )
+    def record(self, load: float, stage: str) -> None:
+        """Add a row: of a support that moves by the ``load``, the reaction over this."""
+        ratio, nodes = self.unbalanced_ratio(load), self.node_forces()
+        row = (self.reaction(), load) if self.assembly.support else (load, self.displacement())
+        self.history.record(row[0], stage, row[1], ratio, nodes)
 
     def keep(self) -> None:
         """Keep the present state."""
         O.saveTmp("equilibrium")
-        self.kept = self.seen, set(self.surroundings.lost)
+        self.kept = self.seen, list(self.pairs), self.surroundings.copy()
 
     def go_back(self) -> None:
         """Return to the state that was kept last."""
         O.loadTmp("equilibrium")
-        self.seen, lost = self.kept
-        self.surroundings = Surroundings(self.assembly, lost)
-        # Open nodes are not saved.
-        _watch([pair for node, pair in enumerate(self.pairs) if node not in lost])
-
-
-def _node_force(pair: tuple[int, int], face: GivenFace) -> NodeForce:
-    """The force between two spheres."""
-    if not O.interactions.has(*pair) or not O.interactions[pair].isReal:
-        return NodeForce(0.0, (0.0, 0.0, 0.0), False)
-    contact = O.interactions[pair]
-    normal = contact.geom.normal
-    # YADE's forces act on the second body; the normal points from the first to the second.
-    on_above = 1.0 if normal.dot(Vector3(face.normal)) > 0 else -1.0
-    bonded = face.cohesive and not contact.phys.cohesionBroken
-    shear = tuple(on_above * contact.phys.shearForce)
-    return NodeForce(contact.phys.normalForce.dot(normal), shear, bonded)
-
-
-def _without_friction_of_bonds(pairs: list[tuple[int, int]], faces: list[GivenFace]) -> None:
-    """Let a rough face rub only where its bond has failed.
-
-    By default YADE adds friction to the cohesion of a bond, and in tension takes it off.
-    """
-    for pair, face in zip(pairs, faces, strict=True):
-        if face.cohesive and face.material.friction and O.interactions.has(*pair):
-            O.interactions[pair].phys.cohesionDisablesFriction = True
-
-
-def _keep_in_tension(pairs: list[tuple[int, int]]) -> None:
-    """Let bonds yield in tension without limit.
-
-    By default YADE breaks a bond at its first plastic opening, also one that is not fragile.
-    """
-    for pair in pairs:
-        contact = O.interactions[pair] if O.interactions.has(*pair) else None
-        if contact and contact.isReal and not contact.phys.cohesionBroken:
-            contact.phys.unpMax = -1.0
-
-
-def _watch(pairs: list[tuple[int, int]]) -> None:
-    """Have every node looked at in each step, whether it is in contact or not."""
-    for pair in pairs:
-        if not O.interactions.has(*pair):
-            create_interaction(*pair, virtualI=True)
+        self.seen, pairs, surroundings = self.kept
+        self.pairs, self.surroundings = list(pairs), surroundings.copy()
+        self._watch_all()  # open nodes are not saved

@@ -1,10 +1,23 @@
-"""The peak of an assembly by distinct elements in YADE."""
+"""The peak of an assembly by distinct elements in YADE, or its load over a displacement."""
+
+import math
 
 from ..scripts.assembly import GivenAssembly, GivenSearch
 from ..scripts.increments import peak_by_increments
-from ..scripts.records import History
-from .model import YadeModel, YadeSettings
+from ..scripts.records import (
+    MECHANISM,
+    EngineOutcome,
+    EnginePeak,
+    History,
+    NoAnswerError,
+    require_contacts,
+    require_standing,
+)
+from .model import SLICE, YadeModel, YadeSettings
 from .program import VERSION
+
+POINTS = 40  # equilibria of a curve
+YIELDS = 0.01  # over the mean size of pieces: by so much a load as large as the weight moves it
 
 
 def find_peak(assembly: GivenAssembly, search: GivenSearch, settings: YadeSettings) -> None:
@@ -12,3 +25,46 @@ def find_peak(assembly: GivenAssembly, search: GivenSearch, settings: YadeSettin
     history = History(assembly)
     peak = peak_by_increments(YadeModel(assembly, search, settings, history), search)
     history.write(peak, "yade", VERSION)
+
+
+def find_curve(
+    assembly: GivenAssembly, search: GivenSearch, settings: YadeSettings, furthest_m: float
+) -> None:
+    """Move the assembly by ``furthest_m``; the files of a search, ``history.csv`` with the curve.
+
+    A spring pulls along the load: its end moves step by step, and its force, at rest, is the load.
+    Exits with a reason where the assembly comes to no rest, or pieces meet.
+    """
+    history = History(assembly)
+    model = YadeModel(assembly, search, settings, history)
+    require_standing(model.raised(0.0, 0.0, (0.0, 1.0)), model.met)
+    history.rows.clear()
+    stiffness = assembly.permanent_N / (YIELDS * assembly.length_m)
+    peak = EnginePeak(0.0, 0.0, None, MECHANISM, model.node_forces())
+    for point in range(1, POINTS + 1):
+        ends = (point - 1) / POINTS * furthest_m, point / POINTS * furthest_m
+        load = _pulled(model, stiffness, ends)
+        print(f"{load:12.4f} N at {model.displacement():.6g} m", flush=True)
+        if load > peak.load:
+            peak = EnginePeak(load, load, None, MECHANISM, model.node_forces())
+    history.write(peak, "yade", VERSION)
+
+
+def _pulled(model: YadeModel, stiffness: float, ends: tuple[float, float]) -> float:
+    """The load (N) of a spring (N/m) that pulls along it, at rest.
+
+    ``ends``: its end moves from the one to the other (m), smoothly and slowly.
+    """
+    before, after = ends
+    ramp = max(model.search.ramp_steps, model.slowly(after - before))
+    for step in range(0, ramp + model.search.hold_steps, SLICE):
+        share = 0.5 - 0.5 * math.cos(math.pi * min(1.0, step / ramp))
+        load = stiffness * (before + share * (after - before) - model.displacement())
+        model.apply(load, 1.0)
+        model.advance()
+        if model.met:
+            require_contacts(EngineOutcome.MEETING, model.search.said(load), model.met)
+        if step > ramp and model.unbalanced_ratio(load) < model.search.unbalanced_ratio:
+            model.record(load, EngineOutcome.EQUILIBRIUM.value)
+            return load
+    raise NoAnswerError(f"no rest at a displacement of {model.displacement():.6g} m")

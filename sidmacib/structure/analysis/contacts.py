@@ -14,7 +14,7 @@ import shapely
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import solids_of
@@ -154,19 +154,18 @@ class Joints:
         return cls(assembly, tuple(_sides(assembly, _dry(each), near) for each in assembly.faces))
 
     def contacts(self, placed: Placement) -> Contacts:
-        """The contacts where the pieces are ``placed``."""
+        """The contacts where the pieces are ``placed``; `InfeasibleError` if none is left."""
         over = OVER * self.assembly.length
-        place, piece, flat, frames, gap, friction, number = zip(
-            *(
-                (place, other.piece, side.piece, frame, gap, face.material.friction, number)
-                for number, face in enumerate(self.assembly.faces)
-                for side, other in (self.sides[number], self.sides[number][::-1])
-                for frame in (side.frame(placed),)
-                for place, gap in side.contacts(other, placed, over)
-            ),
-            strict=True,
-        )
-        return Contacts(*map(np.array, (place, piece, flat, frames, gap, friction, number)))
+        found = [
+            (place, other.piece, side.piece, frame, gap, face.material.friction, number)
+            for number, face in enumerate(self.assembly.faces)
+            for side, other in (self.sides[number], self.sides[number][::-1])
+            for frame in (side.frame(placed),)
+            for place, gap in side.contacts(other, placed, over)
+        ]
+        if not found:
+            raise InfeasibleError("finite displacements: no blocks touch any more")
+        return Contacts(*map(np.array, zip(*found, strict=True)))
 
 
 def _dry(face: Face) -> Polygon:
