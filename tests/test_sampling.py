@@ -95,7 +95,7 @@ def points(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     folder = tmp_path_factory.mktemp("sampling")
     section = SamplingSection(joints=16, seed=11, locks=(3, 9), pressed=0.0)
     arguments = {
-        **{"name": "made_up", "sampling": asdict(section), "base": asdict(Joint(3))},
+        **{"name": "made_up", "sampling": section.parameters(), "base": asdict(Joint(3))},
         **{"start": 0, "stop": 12, "eccentricities": RATIOS, "cells": (1, 2), "limited": 6},
     }
     batches = []
