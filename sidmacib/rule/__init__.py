@@ -207,7 +207,9 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
 
     The first failure of the joint with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The
     margin is on strengths, as where weight or a force holds a joint down a small loss of strength
-    may cost much of the load. Where the joint slides or rocks first, the load is divided too.
+    may cost much of the load. Where the joint slides or rocks first, the load is divided too, and
+    is at most the one without friction, over `PATH`: how much friction keeps it from moving
+    depends on the history of the contacts, and so on the mesh and the increments.
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
     stiff as roots. The difference between the highest and the lowest is subtracted from the lowest.
@@ -252,9 +254,19 @@ def at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> flo
 
 def _weak_failure(joint: Joint, direction: Direction, push: Push, cells: int) -> tuple[float, Mode]:
     """The load (N) with the margin of the safe rule, and how the joint fails there."""
-    margin = margin_of(joint)
-    found = first_failure(weakened(joint, margin), Loading(direction, push=push), cells)
-    return found.load if found.mode is Mode.BONDS else found.load / margin, found.mode
+    margin, loading = margin_of(joint), Loading(direction, push=push)
+    weak = weakened(joint, margin)
+    found = first_failure(weak, loading, cells)
+    if found.mode is Mode.BONDS:
+        return found.load, found.mode
+    try:
+        smooth = first_failure(replace(weak, dry=replace(weak.dry, friction=0.0)), loading, cells)
+    except CapacityError:
+        raise CapacityError(
+            f"safe: it {MOVES[found.mode]}, and only friction keeps it from that, which depends on "
+            "the history of the contacts; use the static model"
+        ) from None
+    return min(found.load / margin, smooth.load / PATH), found.mode
 
 
 def margin_of(joint: Joint) -> float:
