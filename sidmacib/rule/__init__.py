@@ -208,7 +208,7 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
     The first failure of the joint with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The
     margin is on strengths, as where weight or a force holds a joint down a small loss of strength
     may cost much of the load. Where the joint slides or rocks first, the load is divided too, and
-    is at most the one without friction, over `PATH`: how much friction keeps it from moving
+    is at most the one without friction, over `PATH`, if there is one: how much friction adds to it
     depends on the history of the contacts, and so on the mesh and the increments.
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
@@ -261,11 +261,8 @@ def _weak_failure(joint: Joint, direction: Direction, push: Push, cells: int) ->
         return found.load, found.mode
     try:
         smooth = first_failure(replace(weak, dry=replace(weak.dry, friction=0.0)), loading, cells)
-    except CapacityError:
-        raise CapacityError(
-            f"safe: it {MOVES[found.mode]}, and only friction keeps it from that, which depends on "
-            "the history of the contacts; use the static model"
-        ) from None
+    except CapacityError:  # friction alone holds it, and is used up wherever it moves
+        return found.load / margin, found.mode
     return min(found.load / margin, smooth.load / PATH), found.mode
 
 
