@@ -60,6 +60,15 @@ def test_y_may_be_up() -> None:
     assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
 
 
+def test_a_file_of_blocks_beside_a_mesh_of_its_name_is_told_by_name(tmp_path: Path) -> None:
+    mesh = tmp_path / "yup.obj"
+    mesh.write_text((CASES / "yup.obj").read_text())
+    mesh.with_suffix(".yaml").write_text("blocks: {a: {file: yup.obj, fixed: [ground]}}\n")
+    found = run("assembly", str(mesh), "--fixed", "ground")
+    assert found.exit_code != 0
+    assert "name yup.yaml in its place, or rename one of them" in found.output
+
+
 def test_millimetres_are_asked_for_and_not_taken_as_metres() -> None:
     ended = run("assembly", str(CASES / "mm.obj"), "--fixed", "ground")
     assert ended.exit_code == 1
