@@ -44,6 +44,7 @@ function player(button, slider, drawn) {
     return requestAnimationFrame(frame);
   });
   slider.addEventListener("input", stop);
+  slider.addEventListener("keydown", (event) => event.key !== "Tab" && stop()); // also where it is at its end
   return stop;
 }
 
