@@ -204,7 +204,7 @@ def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Pa
 
 @pytest.mark.study
 def test_a_model_that_cannot_do_condensed_locks_says_so_in_a_whole_study(
-    structures_study: Path,
+    structures_study: Path, table: pd.DataFrame
 ) -> None:
     refused = table.loc[("keyed-load", "static"), "refused"]
     words = "base-block has condensed locks, which have no stiffness; cut them out"
