@@ -139,7 +139,8 @@ def _opened(path: Path) -> OpenedFile:
     if isinstance(problem.loads, SupportMotion):
         raise ValueError("load.support: is for multilock assembly only; use another load here")
     notes = structure_notes(problem, description)
-    limit, static = limit_of(problem), static_of(problem)
+    limit = limit_of(problem)
+    static = static_of(problem, limit)
     rows, found = demanded_rows(demand, limit, static)
     verdict = "" if found is None else str(found)
     views = Views.of(path, description, problem, limit, static, notes, verdict)

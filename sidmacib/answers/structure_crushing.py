@@ -3,8 +3,8 @@
 The model follows elastic interfaces that no pressure crushes. As long as their resultants satisfy
 the limits of `sidmacib.mechanics.crushing`, its path is that of blocks that can be crushed. Beyond,
 the parts of interfaces that are crushed yield, and forces go elsewhere, which limit analysis finds:
-the lower of its load and the model's is the capacity. Where forces can go nowhere else, both begin
-of crushing and limit load are the same.
+the lower of its load and the model's is the capacity. Where forces can go nowhere else, crushing
+begins at the limit load.
 """
 
 import math

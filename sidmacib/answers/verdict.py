@@ -24,11 +24,11 @@ class Static(Protocol):
 
     @property
     def failures(self) -> Failures:
-        """Of them."""
+        """First failure and peak, N."""
 
     @property
     def counts(self) -> Counts:
-        """Which of them does, and why."""
+        """Which of the two counts, and why."""
 
     @property
     def mesh_error(self) -> float | None:
@@ -117,8 +117,9 @@ def _carries(newtons: float, *, passes: bool) -> str:
 def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> str:
     """The verdict on several load cases in words; ``names``: of the cases."""
     lost = [name for name, each in zip(names, verdicts, strict=True) if not each.passes]
-    passed = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} not carried"
-    carried = passed if lost else f"all {len(names)} cases"
+    carried = f"all {len(names)} cases"
+    if lost:
+        carried = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} not carried"
     first = governing(verdicts)
     words = f"{names[first]} governs: {verdicts[first].reasons}"
     return f"{'No' if lost else 'Yes'}: {carried}; {words}"
