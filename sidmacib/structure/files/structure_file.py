@@ -51,8 +51,8 @@ def description_in(path: Path, more: Mapping[str, Any] | None = None) -> Any:
         given = read_yaml(beside) if beside.is_file() else {}
         if isinstance(given, dict) and "blocks" in given:
             raise ValueError(
-                f"{path.name}: {beside.name} beside it has blocks of its own; it may only add "
-                f"other keys: name {beside.name} in its place, or rename one of them"
+                f"{beside.name}: blocks: must not be there, as {path.name} beside it has them; "
+                f"name {beside.name} in its place, or rename one of them"
             )
         own = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
         given = own | given if isinstance(given, dict) else given
