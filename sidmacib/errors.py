@@ -23,5 +23,11 @@ class NoEquilibriumError(CapacityError):
     """No equilibrium was found at a load."""
 
 
+class UnsettledError(CapacityError):
+    """Whether there is an equilibrium remains open; the ``load`` below has one, None if unknown."""
+
+    load: float | None = None
+
+
 class ResultError(ValueError):
     """A result that is not accepted; the message is one line."""

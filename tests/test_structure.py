@@ -10,9 +10,21 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from structures import BLOCK, GROUND, dry, moved, on_ground
 
-from sidmacib import Direction, HoldDown, InfeasibleError, Joint, UpperBody, limit_load, static_peak
+from sidmacib import (
+    CapacityError,
+    Direction,
+    HoldDown,
+    InfeasibleError,
+    Joint,
+    UpperBody,
+    limit_load,
+    static_peak,
+)
+from sidmacib.answers.structure import static_answer
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
+from sidmacib.mechanics.newton import friction_rounds
+from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import shared_volume
@@ -254,3 +266,16 @@ def test_blocks_that_float_are_named() -> None:
 def test_a_mesh_of_too_many_cells_is_refused_before_it_is_made() -> None:
     with pytest.raises(ValueError, match=r"mesh: 0.0001 .* at least 0.0011 m: more than 200,000"):
         structure([GROUND, BLOCK], dry(0.5), mesh=1e-4)
+
+
+def test_friction_that_does_not_settle_leaves_open_what_is_above_the_last_equilibrium(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model = on_ground(0.2)  # slides
+    problem = Problem(model, acceleration(model, (1.0, 0.0, 0.0)))
+    monkeypatch.setattr(friction_rounds, "MANY", 0)
+    monkeypatch.setattr(friction_rounds, "ROUNDS_OF_MANY", 0)
+    with pytest.raises(CapacityError, match=r"there is equilibrium up to \S+ N$") as caught:
+        static_answer(problem)
+    found = float(str(caught.value).split()[-2])
+    assert found == pytest.approx(0.2 * BLOCK.weight, rel=1e-3)

@@ -13,6 +13,7 @@ from command_runner import run
 from conftest import ROOT
 from structures import condensed_keys, example
 
+from sidmacib.command import structures
 from sidmacib.command.options import units_option
 from sidmacib.command.output import say
 from sidmacib.mechanics.assembly import GRAVITY
@@ -104,6 +105,22 @@ def test_limit_analysis_decides_where_the_static_model_has_no_answer(path: Path)
     code, line = said(path, given)
     assert code == 0
     assert "to the limit; limit analysis, which may overestimate; the static model has no" in line
+
+
+def test_of_a_large_structure_results_are_told_as_they_come(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path.write_text(yaml.safe_dump({**SLIDING, "load": PUSH}, sort_keys=False))
+    assert not run("assembly", str(path)).stderr
+    monkeypatch.setattr(structures, "LARGE", 0)
+    loaded, still = (
+        run("assembly", str(path)).stderr,
+        run("assembly", str(path), "--reserve").stderr,
+    )
+    for words in ("limit analysis ...", "limit: ", "static model ...", "without dilation ..."):
+        assert words in loaded
+    for words in ("stands in limit analysis", "falls at ", "geometrical safety factor ..."):
+        assert words in still
 
 
 def test_each_load_case_has_a_line_and_the_lowest_factor_governs(path: Path) -> None:

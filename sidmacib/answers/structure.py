@@ -14,13 +14,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnsettledError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Counts, Failures, MeshErrors, Problem
+from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.mesh_error import structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.loads import naming_permanent
@@ -167,6 +168,12 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> _Fol
         found = (lowest_peak if lowest else static_peak)(assembly, loads)
     except NoEquilibriumError:
         raise NoEquilibriumError(DOES_NOT_STAND) from None
+    except UnsettledError as error:
+        if error.load is None:
+            raise
+        unit = "N" if loads.axis is None else "degrees"
+        up_to = f"there is equilibrium up to {four_digits(error.load)} {unit}"
+        raise CapacityError(f"{error}; {up_to}") from None
     failures = Failures(float(found.first_failure_load), float(found.peak.load))
     spread = found.spread if lowest else None
     return _Followed(assembly, failures, found.path, str(found.mode), spread=spread)

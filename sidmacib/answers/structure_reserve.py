@@ -1,8 +1,10 @@
 """Whether a structure stands under permanent loads alone, and what it has in reserve."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
+from sidmacib.mechanics.limit import require_standing
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
@@ -35,13 +37,19 @@ class Reserve:
     strength: float | None = None
 
 
-def reserve(problem: Problem) -> Reserve:
-    """The reserve of a structure; `CapacityError` if it does not stand in limit analysis."""
+def reserve(problem: Problem, tell: Callable[[str], object] = str) -> Reserve:
+    """The reserve of a structure; `CapacityError` if it does not stand in limit analysis.
+
+    ``tell`` is told what is found.
+    """
     assembly, loads = problem
     assert isinstance(loads, StructureLoads), "loads of a structure"
     with naming_permanent(loads):
+        require_standing(assembly, loads, friction=True)
+        tell("stands in limit analysis; horizontal accelerations ...")
+        tried = pushes(assembly, loads, tell)
+        tell("geometrical safety factor ...")
         factor = geometrical_factor(assembly, loads)
-        tried = pushes(assembly, loads)
         found = Reserve(factor, least_push(assembly, loads, tried), tried)
         found = replace(found, strength=strength_factor(assembly, loads))
     try:

@@ -9,7 +9,13 @@ import click
 
 from sidmacib.command.answers import Row
 from sidmacib.command.output import say, text_of
-from sidmacib.command.structures import force_rows, limit_of, static_of, structure_notes
+from sidmacib.command.structures import (
+    force_rows,
+    limit_of,
+    static_of,
+    structure_notes,
+    telling,
+)
 from sidmacib.command.verdicts import (
     case_rows,
     chosen_case,
@@ -108,10 +114,11 @@ def _of_load(
     problem, passes, words = demand.problem, True, ""
     rows: list[Row] = []
     asked = wanted.draws or not wanted.interfaces
-    limit = limit_of(problem) if asked or wanted.compas is not None else None
-    static = static_of(problem, limit)
+    tell = telling(problem)
+    limit = limit_of(problem, tell) if asked or wanted.compas is not None else None
+    static = static_of(problem, limit, tell)
     if asked:
-        rows, found = demanded_rows(demand, limit, static)
+        rows, found = demanded_rows(demand, limit, static, tell)
         if found is not None:
             passes, words = found.passes, str(found)
     if words:

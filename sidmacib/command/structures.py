@@ -1,7 +1,9 @@
 """Output of the command for structures of blocks."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
+
+import click
 
 from sidmacib.answers.structure import StaticAnswer, static_answer
 from sidmacib.answers.structure_limit import assumes, limit_state
@@ -23,6 +25,9 @@ from sidmacib.structure.warnings import structure_warnings
 
 FULL = 1.0 - 1e-4  # of a limit: an interface that uses more is at it
 MOST = 6  # names in a note
+LARGE = 2000  # contact nodes of a structure: of a larger one, results are told as they come
+
+Tell = Callable[[str], object]
 
 
 def added_keys(
@@ -55,23 +60,37 @@ def structure_notes(problem: Problem, description: Any) -> list[str]:
     return notes
 
 
-def limit_of(problem: Problem) -> LimitState | CapacityError | None:
+def telling(problem: Problem) -> Tell:
+    """A function that tells, on standard error, what is found of a large structure."""
+    if len(problem.assembly.nodes.area) <= LARGE:
+        return str
+    return lambda words: click.echo(words, err=True)
+
+
+def limit_of(problem: Problem, tell: Tell = str) -> LimitState | CapacityError | None:
     """Limit analysis with friction, or why it has no answer; None if gravity turns."""
     if problem.loads.axis is not None:
         return None
+    assembly = problem.assembly
+    free = sum(not piece.fixed for piece in assembly.pieces)
+    tell(f"{free:,} free blocks, {len(assembly.faces):,} contact faces: limit analysis ...")
     try:
-        return limit_state(*problem)
+        found = limit_state(*problem)
     except CapacityError as error:
         return error
+    tell(f"limit: {four_digits(found.load)} N")
+    return found
 
 
 def static_of(
-    problem: Problem, limit: LimitState | CapacityError | None = None
+    problem: Problem, limit: LimitState | CapacityError | None = None, tell: Tell = str
 ) -> StaticAnswer | CapacityError:
     """The answer of the static model, or why it has none; ``limit``: by `limit_of`, if known."""
+    tell("static model ...")
     try:
         return static_answer(problem, limit)
     except CapacityError as error:
+        tell(f"static: no answer: {reason(error)}")
         return error
 
 
@@ -79,17 +98,18 @@ def structure_rows(
     problem: Problem,
     limit: LimitState | CapacityError | None = None,
     static: StaticAnswer | CapacityError | None = None,
+    tell: Tell = str,
 ) -> list[Row]:
     """Capacity of a structure by each model: loads, or angles if gravity turns.
 
     ``limit`` and ``static``: by `limit_of` and `static_of` if these were asked before, as either is
     solved once.
     """
-    limit = limit_of(problem) if limit is None else limit
-    static = static_of(problem, limit) if static is None else static
+    limit = limit_of(problem, tell) if limit is None else limit
+    static = static_of(problem, limit, tell) if static is None else static
     if problem.loads.axis is not None:
         return [*_limit_tilt(problem, Tilt.of(problem.loads)), _static(problem, static)]
-    return [*_limits(problem, limit), _static(problem, static)]
+    return [*_limits(problem, limit, tell), _static(problem, static)]
 
 
 def force_rows(answer: StaticAnswer) -> list[Row]:
@@ -124,7 +144,9 @@ def _torque(limit: LimitState) -> str:
     return f"limited by the torque of interfaces ({four_digits(limit.untwisted)} N without)"
 
 
-def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Iterator[Row]:
+def _limits(
+    problem: Problem, limit: LimitState | CapacityError | None, tell: Tell
+) -> Iterator[Row]:
     if isinstance(limit, CapacityError):
         yield _row(problem, "limit", None, reason(limit))
     elif limit is not None:
@@ -133,9 +155,10 @@ def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Itera
         note = "; ".join(filter(None, notes))
         error = limit_mesh_error(problem, limit.load)
         yield _row(problem, "limit", limit.load, note, error)
+        tell("limit analysis without dilation ...")
         try:
             with naming_permanent(problem.loads):
-                sliding = sliding_limit(*problem)
+                sliding = sliding_limit(*problem, limit)
             yield _row(problem, "limit, no dilation", sliding.state.load, sliding.note)
         except CapacityError as error:
             yield _row(problem, "limit, no dilation", None, reason(error))

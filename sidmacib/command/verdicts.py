@@ -9,7 +9,7 @@ from sidmacib.answers.structure import StaticAnswer
 from sidmacib.answers.structure_reserve import Reserve, reserve
 from sidmacib.answers.verdict import Verdict, governing, on_all, verdict
 from sidmacib.command.answers import Row
-from sidmacib.command.structures import limit_of, static_of, structure_rows
+from sidmacib.command.structures import Tell, limit_of, static_of, structure_rows, telling
 from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.crushing import crushed_faces
@@ -25,9 +25,10 @@ def demanded_rows(
     demand: Demand,
     limit: LimitState | CapacityError | None,
     static: StaticAnswer | CapacityError,
+    tell: Tell = str,
 ) -> tuple[list[Row], Verdict | None]:
     """`structure_rows` with factors, and the verdict, where a load is to be carried."""
-    rows = structure_rows(demand.problem, limit, static)
+    rows = structure_rows(demand.problem, limit, static, tell)
     if demand.newtons is None or limit is None:
         return rows, None
     for row in rows:
@@ -70,7 +71,7 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
     """What a structure has in reserve without a load, the verdict, and whether it stands."""
     (problem,) = (demand.problem for demand in demands)
     try:
-        found = reserve(problem)
+        found = reserve(problem, telling(problem))
     except CapacityError as error:
         words, falls = str(error), isinstance(error, InfeasibleError)
         said = f"{'No' if falls else 'No answer'}: {_lower(words)}"

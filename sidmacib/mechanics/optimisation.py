@@ -32,6 +32,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 ACCURACY = 1e-8  # of the optimum's value
 FEASIBLE = 1e-8  # largest violation of a constraint, over the largest unknown or 1
 CERTAIN = 1e-7  # residual of a certificate over what it proves
+DIVERGED = 1e100  # an unknown or a multiplier: the square of a larger one may overflow
 
 # As tight as solvers accept. Answers that miss these tolerances may still pass the check.
 _SIMPLEX = {"solver": "simplex", "threads": 1} | dict.fromkeys(
@@ -128,6 +129,9 @@ def _error(data: dict[str, Any], answer: _Answer) -> float:
     Infinite if a constraint is violated.
     """
     A, b, c, x = data["A"], data["b"], data["c"], answer.x
+    largest = max(1.0, float(np.abs(x).max()))
+    if not max(largest, float(np.abs(answer.z).max(initial=0.0))) < DIVERGED:
+        return np.inf
     curved = data["P"] @ x if "P" in data else np.zeros_like(x)
     slack = b - A @ x
     violation = slack - _projected(slack, data["dims"], dual=False)
@@ -138,7 +142,6 @@ def _error(data: dict[str, Any], answer: _Answer) -> float:
     error = abs(float(np.sum((curved + c) * x) + np.sum(b * z))) + float(
         np.sum(np.abs(residual * x)) + np.sum(np.abs(violation * z))
     )
-    largest = max(1.0, float(np.abs(x).max()))
     if np.abs(violation).max(initial=0.0) > FEASIBLE * largest:
         return np.inf
     return error / max(abs(value), 1.0)

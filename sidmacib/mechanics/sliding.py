@@ -33,7 +33,7 @@ SLIDING_SETTLED = 3e-4  # change of the load over itself in one round
 LAST = 10  # rounds of which the lowest load counts where they have not
 ALIKE = 3e-3  # over it, by which these may differ before all `SLIDING_ROUNDS` are done
 OFF_CONE = 0.02  # largest shear beyond friction at the end, over the largest normal force
-MOST_NODES = 20_000  # of an assembly: the rounds of a larger one would take an hour
+MOST_NODES = 6000  # of an assembly: the rounds of a larger one take many minutes
 WITHOUT_DILATION = "limit analysis without dilation"
 
 
@@ -58,18 +58,21 @@ class SlidingLimit:
         return f"{words}; lowest of {LAST} rounds that go up to {self.highest:.4g} N"
 
 
-def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
+def sliding_limit(
+    assembly: Assembly, loads: Loads, associated: LimitState | None = None
+) -> SlidingLimit:
     """The load at which ``assembly`` moves with sliding on dry faces that does not dilate.
 
-    Torque of dry faces is limited as in `limit_load`. Errors of that, and
-    `sidmacib.errors.InfeasibleError` if the structure then does not stand under its permanent
-    loads; `sidmacib.errors.CapacityError` for too large an assembly, at once.
+    ``associated``: by `limit_load` with friction, if it is known. Torque of dry faces is limited as
+    there. Errors of that, and `sidmacib.errors.InfeasibleError` if the structure then does not
+    stand under its permanent loads; `sidmacib.errors.CapacityError` for too large an assembly, at
+    once.
     """
     if (nodes := len(assembly.nodes.area)) > MOST_NODES:
         raise CapacityError(
             f"{WITHOUT_DILATION}: {nodes:,} nodes; at most {MOST_NODES:,} are allowed"
         )
-    associated = limit_load(assembly, loads, friction=True)
+    associated = associated or limit_load(assembly, loads, friction=True)
     found = _rounds(assembly, loads, associated)
     if found.state.load < -FALLS * loads.scale:
         raise InfeasibleError(f"{DOES_NOT_STAND} where sliding does not dilate")

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
+from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError, UnsettledError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
@@ -330,6 +330,9 @@ def _raised(
             increment = (load - low.load) / 2
             lost = load if thorough else lost
             continue
+        except UnsettledError as error:
+            error.load = low.load
+            raise
         used_here = utilisation_at(point)
         if used_here.max() > 1.0:
             above, used_above = point, used_here

@@ -44,24 +44,22 @@ class Push:
 
 
 def geometrical_factor(assembly: Assembly, loads: Loads) -> float | None:
-    """The geometrical safety factor; None where interfaces could be points, or are not dry.
+    """The geometrical safety factor of a structure that stands.
 
-    `InfeasibleError` if the structure does not stand.
+    None where interfaces could be points, or are not dry.
     """
-    require_standing(assembly, loads, friction=True)
     if any(face.kind is not Kind.DRY for face in assembly.faces):
         return None
     return _largest(lambda factor: _stands(_smaller(assembly, factor), loads))
 
 
 def strength_factor(assembly: Assembly, loads: Loads) -> float | None:
-    """How many times as large as it needs to be the compressive strength is.
+    """How many times as large as it needs to be the compressive strength is, of one that stands.
 
-    None where there is none, or no limit up to `MOST`. `InfeasibleError` if it does not stand.
+    None where there is none, or no limit up to `MOST`.
     """
     if not crushed_faces(assembly):
         return None
-    require_standing(assembly, loads, friction=True)
     return _largest(lambda factor: _stands(_weaker(assembly, factor), loads))
 
 
@@ -103,15 +101,21 @@ def _stands(assembly: Assembly, loads: Loads) -> bool:
     return True
 
 
-def pushes(assembly: Assembly, loads: StructureLoads) -> tuple[Push, ...]:
+def pushes(
+    assembly: Assembly, loads: StructureLoads, tell: Callable[[str], object] = str
+) -> tuple[Push, ...]:
     """Accelerations beside permanent ``loads`` that fell a structure, in `DIRECTIONS`.
 
-    None in those where limit analysis finds none. Errors of `limit_load`.
+    None in those where limit analysis finds none. ``tell`` is told each. Errors of `limit_load`.
     """
     turns = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
     ways = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(DIRECTIONS)])
-    found = (_push(assembly, loads, way) for way in ways)
-    return tuple(push for push in found if push is not None)
+    found = []
+    for way in ways:
+        if push := _push(assembly, loads, way):
+            found.append(push)
+            tell(f"falls at {push.acceleration:.4g} g towards ({way[0]:.3g}, {way[1]:.3g})")
+    return tuple(found)
 
 
 def least_push(assembly: Assembly, loads: StructureLoads, tried: Sequence[Push]) -> Push | None:
