@@ -60,13 +60,24 @@ def test_y_may_be_up() -> None:
     assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
 
 
-def test_a_file_of_blocks_beside_a_mesh_of_its_name_is_told_by_name(tmp_path: Path) -> None:
+def test_blocks_that_would_stand_if_turned_are_told_how() -> None:
+    for more in ("--friction", "0.4"), ("--friction", "0.4", "--reserve"):
+        found = run("assembly", str(CASES / "yup.obj"), "--fixed", "ground", *more)
+        assert found.exit_code == 1
+        assert "Note: it stands with up: y (on the command line --up y)" in found.stderr
+    leaning = run("assembly", str(CASES.parent / "wedge_unstable.yaml"))  # no file of blocks
+    assert leaning.exit_code == 1
+    assert "it stands with" not in leaning.stderr
+
+
+def test_a_mesh_is_read_without_a_file_of_other_blocks_beside_it(tmp_path: Path) -> None:
     mesh = tmp_path / "yup.obj"
     mesh.write_text((CASES / "yup.obj").read_text())
     mesh.with_suffix(".yaml").write_text("blocks: {a: {file: yup.obj, fixed: [ground]}}\n")
-    found = run("assembly", str(mesh), "--fixed", "ground")
-    assert found.exit_code != 0
-    assert "name yup.yaml in its place, or rename one of them" in found.output
+    found = run("assembly", str(mesh), "--up", "y", "--fixed", "ground", "--friction", "0.4")
+    assert found.exit_code == 0
+    assert "Note: yup.yaml is not read, as it has blocks itself" in found.stderr
+    assert run("build", str(mesh), "-o", str(tmp_path / "out")).exit_code != 0
 
 
 def test_millimetres_are_asked_for_and_not_taken_as_metres() -> None:

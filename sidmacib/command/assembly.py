@@ -12,6 +12,7 @@ from sidmacib.command.output import say, text_of
 from sidmacib.command.structures import (
     force_rows,
     limit_of,
+    stands_turned,
     static_of,
     structure_notes,
     telling,
@@ -24,7 +25,7 @@ from sidmacib.command.verdicts import (
     reserve_rows,
     without_loads,
 )
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import SupportMotion
 
@@ -79,10 +80,19 @@ def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
     if wanted.case is not None:
         demands = (chosen_case(demands, wanted.case),)
     elif demands[0].case is not None or not demands[0].raises:
-        return _of_several(demands, wanted)
+        rows, passes = _of_several(demands, wanted)
+        if not passes and not demands[0].raises:
+            _note_turned(description, file.parent)
+        return rows, passes
     if isinstance(demands[0].problem.loads, SupportMotion):
         return _of_support(file, demands[0], wanted)
     return _of_load(file, description, demands[0], notes, wanted)
+
+
+def _note_turned(description: Any, folder: Path) -> None:
+    """Say how blocks that do not stand as they are would."""
+    if key := stands_turned(description, folder):
+        click.echo(f"Note: it stands with {key}", err=True)
 
 
 def _of_several(demands: Sequence[Demand], wanted: Wanted) -> Answered:
@@ -116,6 +126,8 @@ def _of_load(
     asked = wanted.draws or not wanted.interfaces
     tell = telling(problem)
     limit = limit_of(problem, tell) if asked or wanted.compas is not None else None
+    if isinstance(limit, InfeasibleError):
+        _note_turned(description, file.parent)
     static = static_of(problem, limit, tell)
     if asked:
         rows, found = demanded_rows(demand, limit, static, tell)

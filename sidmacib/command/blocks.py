@@ -111,11 +111,14 @@ def assembly(
     with refused_in_one_line():
         from sidmacib.command.assembly import Wanted, answered
         from sidmacib.command.structures import added_keys
-        from sidmacib.structure.files.structure_file import description_in
+        from sidmacib.structure.files.structure_file import description_in, of_other_blocks
 
         files = compas, curve, picture, report, note
         wanted = Wanted(form, interfaces, case, without_load, *files, engines)
-        rows, passes = answered(file, description_in(file, added_keys(**options)), wanted)
+        if other := of_other_blocks(file):
+            click.echo(f"Note: {other} is not read, as it has blocks itself", err=True)
+        description = description_in(file, added_keys(**options), alone=bool(other))
+        rows, passes = answered(file, description, wanted)
     if rows is not None:
         require_answer(rows)
     if not passes:

@@ -1,6 +1,7 @@
 """Output of the command for structures of blocks."""
 
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import click
@@ -10,7 +11,7 @@ from sidmacib.answers.structure_limit import assumes, limit_state
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.crushing import crushing_use
-from sidmacib.mechanics.limit import LimitState
+from sidmacib.mechanics.limit import LimitState, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits
@@ -20,6 +21,7 @@ from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.sections import StructureFile
+from sidmacib.structure.files.structure_file import demands_of
 from sidmacib.structure.loads import free_weight, naming_permanent
 from sidmacib.structure.warnings import structure_warnings
 
@@ -58,6 +60,21 @@ def structure_notes(problem: Problem, description: Any) -> list[str]:
     if given.locks and any(law.compressive_strength is not None for law in laws):
         notes.append("compressive_strength: does not limit interfaces with locks")
     return notes
+
+
+def stands_turned(description: Mapping[str, Any], folder: Path) -> str:
+    """The key by which blocks of files stand, though they do not as they are, or nothing."""
+    blocks = description["blocks"]
+    files = {name: each for name, each in blocks.items() if "file" in each and "up" not in each}
+    for up in ("y", "x") if files else ():
+        turned = {name: {**each, "up": up} for name, each in files.items()}
+        try:
+            demands = demands_of({**description, "blocks": {**blocks, **turned}}, folder)
+            require_standing(*demands[0].problem, friction=True)
+        except (ValueError, CapacityError):
+            continue
+        return f"up: {up} (on the command line --up {up})"
+    return ""
 
 
 def telling(problem: Problem) -> Tell:

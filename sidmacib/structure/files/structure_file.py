@@ -28,6 +28,8 @@ from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import rows_of, structure
 from sidmacib.yaml_text import read_yaml
 
+OF_BLOCKS = ".json", *SUFFIXES  # endings of files that have blocks
+
 
 def read_structure(path: Path, more: Mapping[str, Any] | None = None) -> Problem:
     """The structure and its load or tilt in a YAML file, or in one of COMPAS, Rhino, or meshes.
@@ -38,21 +40,23 @@ def read_structure(path: Path, more: Mapping[str, Any] | None = None) -> Problem
     return structure_of(description_in(path, more), path.parent)
 
 
-def description_in(path: Path, more: Mapping[str, Any] | None = None) -> Any:
+def description_in(
+    path: Path, more: Mapping[str, Any] | None = None, *, alone: bool = False
+) -> Any:
     """What is in a file; of one of COMPAS, Rhino or meshes with what the YAML beside it adds.
 
     By default such blocks are pushed along x. ``more``: keys that are added to those of the file,
-    and `blocks` with keys for the blocks of a file that is no YAML.
+    and `blocks` with keys for the blocks of a file that is no YAML. ``alone``: without the YAML.
     """
     more = dict(more or {})
     of_blocks = more.pop("blocks", {})
-    if path.suffix.lower() in (".json", *SUFFIXES):
-        beside = path.with_suffix(".yaml")
-        given = read_yaml(beside) if beside.is_file() else {}
+    if path.suffix.lower() in OF_BLOCKS:
+        given = {} if alone else _beside(path)
         if isinstance(given, dict) and "blocks" in given:
+            beside = path.with_suffix(".yaml").name
             raise ValueError(
-                f"{beside.name}: blocks: must not be there, as {path.name} beside it has them; "
-                f"name {beside.name} in its place, or rename one of them"
+                f"{beside}: blocks: must not be there, as {path.name} beside it has them; "
+                f"name {beside} in its place, or rename one of them"
             )
         own = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
         given = own | given if isinstance(given, dict) else given
@@ -60,7 +64,7 @@ def description_in(path: Path, more: Mapping[str, Any] | None = None) -> Any:
         given = read_yaml(path)
     if not isinstance(given, dict):
         return given
-    if of_blocks and path.suffix.lower() not in (".json", *SUFFIXES):
+    if of_blocks and path.suffix.lower() not in OF_BLOCKS:
         raise ValueError(f"{', '.join(of_blocks)}: must be in {path.name}, which has the blocks")
     if of_blocks:
         given["blocks"] = {NAME: {**given["blocks"][NAME], **of_blocks}}
@@ -69,6 +73,17 @@ def description_in(path: Path, more: Mapping[str, Any] | None = None) -> Any:
         both = isinstance(held, dict) and isinstance(value, dict)
         given[key] = {**held, **value} if both and held else value
     return given
+
+
+def of_other_blocks(path: Path) -> str:
+    """The name of a YAML beside a file of blocks that has blocks itself; nothing if none is."""
+    given = _beside(path)
+    return path.with_suffix(".yaml").name if isinstance(given, dict) and "blocks" in given else ""
+
+
+def _beside(path: Path) -> Any:
+    beside = path.with_suffix(".yaml")
+    return read_yaml(beside) if path.suffix.lower() in OF_BLOCKS and beside.is_file() else {}
 
 
 def structure_of(description: Any, folder: Path = Path()) -> Problem:
