@@ -211,6 +211,26 @@ def test_joints_of_other_kinds_have_the_static_models_peak_and_weights(
     assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.01)
 
 
+@pytest.mark.parametrize("times", [1.0, 100.0])
+def test_a_column_that_breaks_off_stands_only_where_it_turns_little(
+    engine: str, run, times: float
+) -> None:
+    # With the usual stiffness it turns by 8 degrees in the static model's next equilibrium.
+    inner, dry = (
+        replace(law, normal_stiffness=times * 1e10, shear_stiffness=times * 1e10)
+        for law in (INNER, DRY)
+    )
+    strong = Joint(3, inner=replace(inner, cohesion=1e6), dry=dry)
+    loading = Loading(Direction(0.5))
+    case = a_case(engine, strong, loading, mesh=0.02, nodes=NodeLayout.LOBATTO)
+    result, (expected, _, _) = run(case), solved(case, static_model)
+    assert expected.load_N == pytest.approx(550.2 if times == 1.0 else 1148.2, rel=1e-3)
+    assert result.peak_load == pytest.approx(expected.load_N, rel=0.02)
+    assert result.record.first_failure_load_N == pytest.approx(
+        expected.first_failure_load_N, rel=0.01
+    )
+
+
 def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
     case = a_case(engine, Joint(2), Loading(Direction(0.2)))
     one, other = (run_case(case, tmp_path / name) for name in ("one", "other"))

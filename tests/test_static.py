@@ -12,8 +12,8 @@ from joints import loaded
 from stack import tilted_stack
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
-from sidmacib.joint import INNER, HoldDown, Joint
-from sidmacib.joint.loading import Push
+from sidmacib.joint import INNER, Direction, HoldDown, Joint
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import lock_faces
 from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
@@ -35,6 +35,56 @@ def lock_shear(joint: Joint, model: Assembly, solution: StaticSolution) -> list[
         float(np.linalg.norm(shear[model.nodes.face == names.index(name)].sum(axis=0))) / joint.T0
         for name in sorted(lock_faces(joint), key=lock_faces(joint).__getitem__)
     ]
+
+
+# --- rotations -----------------------------------------------------------------------------------
+STRONG = replace(Joint(3), inner=replace(INNER, cohesion=1e6))
+
+
+def stiffer(joint: Joint, times: float) -> Joint:
+    """``joint`` with stiffnesses of all faces multiplied, so that pieces turn less."""
+    inner, dry = (
+        replace(
+            law,
+            normal_stiffness=times * law.normal_stiffness,
+            shear_stiffness=times * law.shear_stiffness,
+        )
+        for law in (joint.inner, joint.dry)
+    )
+    return replace(joint, inner=inner, dry=dry)
+
+
+def lobatto(joint: Joint, e_over_a: float) -> StaticSolution:
+    return static_peak(*posed(joint, Loading(Direction(e_over_a)), 0.02))
+
+
+def test_no_equilibrium_counts_in_which_a_piece_that_has_broken_off_turns_far() -> None:
+    # At e = a/2 column 1 breaks off, and its load acts above the edge of lock 2. YADE: 542.7 N.
+    found = lobatto(STRONG, 0.5)
+    assert found.peak.load == pytest.approx(550.2, rel=1e-3)
+    assert (found.mode, found.turns) == (Mode.BONDS, False)
+
+
+def test_where_pieces_turn_less_the_same_equilibria_count() -> None:
+    # YADE 1150.2 N, LIGGGHTS 1143.2 N.
+    found = lobatto(stiffer(STRONG, 100.0), 0.5)
+    assert found.peak.load == pytest.approx(1148.2, rel=1e-3)
+    usual, stiff = lobatto(Joint(3), 0.5), lobatto(stiffer(Joint(3), 100.0), 0.5)
+    assert stiff.peak.load == pytest.approx(usual.peak.load, rel=1e-4)
+
+
+def test_a_path_ends_where_a_piece_that_has_broken_off_has_turned_by_2_degrees() -> None:
+    found = lobatto(STRONG, 0.4)  # YADE 972 N, LIGGGHTS 905 N
+    assert found.turns
+    assert found.peak.rotation == pytest.approx(0.035, rel=1e-3)
+    assert found.first_failure_load < found.peak.load < 972.0
+
+
+def test_rotations_before_the_first_failure_are_not_limited() -> None:
+    soft = stiffer(Joint(3), 1 / 40)
+    found = lobatto(soft, 0.5)
+    assert found.peak.rotation > 0.05
+    assert found.peak.load == pytest.approx(lobatto(Joint(3), 0.5).peak.load, rel=1e-4)
 
 
 # --- theory --------------------------------------------------------------------------------------

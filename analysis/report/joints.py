@@ -20,7 +20,9 @@ from analysis.summary import (
     Question,
     RuleError,
     answers,
+    compared_with_static,
     direction_words,
+    disagreements,
     percent,
     rule_errors,
     worst_by_friction,
@@ -199,11 +201,14 @@ def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
-    compared = cases[cases["difference_to_static"].notna() & cases["model"].ne("limit")]
+    compared = cases[compared_with_static(cases)]
     if compared.empty:
         return []
     worst = float(compared["difference_to_static"].abs().max())
     text = f"{len(compared)} cases with the same contact nodes: at most {100 * worst:.2f} % apart."
+    if far := disagreements(cases):
+        name, model, words = far[0]
+        text += f" {len(far)} of them disagree, such as {name}: {label_of(model).name} {words}."
     kind = "good" if worst < AGREEMENT else "bad"
     return [finding("Engines against the static model", text, kind)]
 

@@ -10,7 +10,12 @@ import pandas as pd
 
 from analysis.drawing import label_of
 from analysis.report import finding
-from analysis.summary.structures import first_failure, peak, verdict_lines
+from analysis.summary.structures import (
+    first_failure,
+    peak,
+    structure_disagreement,
+    verdict_lines,
+)
 from analysis.summary.summary import AGREEMENT
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
@@ -174,10 +179,11 @@ def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:
         return
     worst = compared.loc[compared["difference_to_static"].abs().idxmax()]
     apart = float(worst["difference_to_static"])
+    words = structure_disagreement(worst.to_dict())
     yield finding(
         "Engines against the static model, structures",
         f"{len(compared)} cases with the same contact nodes: at most {100 * abs(apart):.2f} % "
-        f"apart ({worst['case']}, {label_of(worst['model']).name}).",
+        f"apart ({worst['case']}, {label_of(worst['model']).name}{words and f': {words}'}).",
         "good" if abs(apart) < AGREEMENT else "bad",
     )
 

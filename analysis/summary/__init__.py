@@ -13,6 +13,9 @@ import pandas as pd
 from analysis.drawing import label_of, option_name, rule_name
 from analysis.tables import winner
 from sidmacib.engines import ENGINES
+from sidmacib.engines.agreement import disagreement
+from sidmacib.models import REFERENCE_MODEL, first_failure_only
+from sidmacib.problem import Failures
 from workflow.case import REFERENCE
 
 # Smaller errors count as none: the distinct elements' peaks are not known more accurately.
@@ -326,10 +329,35 @@ def _engines(cases: pd.DataFrame) -> Iterator[Question]:
     size = engines["difference_to_static"].abs().dropna()
     if len(size):
         names = ", ".join(label_of(model).name for model in engines["model"].unique())
+        within = f"{names}: within {100 * size.max():.2g} % in {len(size)} cases"
+        far = sum(model in ENGINES for _, model, _ in disagreements(cases))
         yield Question(
             "Do the engines agree with the static model?",
-            f"{names}: within {100 * size.max():.2g} % in {len(size)} cases",
+            f"No, not in {far} of {len(size)} cases. {within}" if far else within,
         )
+
+
+def disagreements(cases: pd.DataFrame) -> list[tuple[str, str, str]]:
+    """Cases and models that disagree with the static model on the same nodes, and on what."""
+    static = cases[cases["model"].eq(REFERENCE_MODEL)]
+    firsts = dict(zip(static["load_N"], static["first_failure_load_N"], strict=True))
+    found = []
+    for row in cases[compared_with_static(cases)].to_dict("records"):
+        load, peak = row["load_N"], row["static_load_N"]
+        if first_failure_only(row["model"]):
+            words = disagreement(None, load, Failures(peak, peak))
+        else:
+            first = row["first_failure_load_N"]
+            failures = Failures(firsts.get(peak, math.nan), peak)
+            words = disagreement(load, None if pd.isna(first) else first, failures)
+        if words:
+            found.append((row["name"], row["model"], words))
+    return found
+
+
+def compared_with_static(table: pd.DataFrame) -> "pd.Series[bool]":
+    """Which rows have a load that should be the static model's: not those of limit analysis."""
+    return table["difference_to_static"].notna() & table["model"].ne("limit")
 
 
 def _mesh(capacity: pd.DataFrame, mesh: float) -> Iterator[Question]:

@@ -1,12 +1,14 @@
 """Summary of the structures of a study: the capacity of each, by each model."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pandas as pd
 
 from sidmacib.answers.verdict import Verdict, on_all
-from sidmacib.problem import FIRST_FAILURE
+from sidmacib.engines.agreement import disagreement
+from sidmacib.problem import FIRST_FAILURE, Failures
 from workflow.case import REFERENCE
 from workflow.results.tables import STRUCTURES, SUPPORTS, VERDICTS, read_table
 from workflow.step import Arguments, Files, step
@@ -90,7 +92,19 @@ def _line(row: Mapping[str, Any]) -> str:
     )
 
 
+def structure_disagreement(row: Mapping[str, Any]) -> str:
+    """Whether the load that counts is another than the static model's, in words."""
+    if row["model"] == "limit" or pd.isna(row["difference_to_static"]):
+        return ""
+    share = 1.0 + float(row["difference_to_static"])
+    if row["counts"] == FIRST_FAILURE:
+        return disagreement(None, share, Failures(1.0, math.nan))
+    return disagreement(share, None, Failures(math.nan, 1.0))
+
+
 def _notes(row: Mapping[str, Any]) -> Iterator[str]:
+    if words := structure_disagreement(row):
+        yield words
     if pd.notna(row["counts"]):
         yield f"the {row['counts']} counts: {row['because']}"
     if row["counts"] == FIRST_FAILURE:

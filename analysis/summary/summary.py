@@ -13,7 +13,9 @@ from analysis.summary import (
     MESH_LIMIT,
     PEAK_ACCURACY,
     answers,
+    compared_with_static,
     direction_words,
+    disagreements,
     percent,
     ratios,
 )
@@ -92,7 +94,7 @@ def _failed(cases: pd.DataFrame) -> Iterator[str]:
 
 def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
     """Engines against the static model on the same nodes."""
-    compared = cases[cases["difference_to_static"].notna() & (cases["model"] != "limit")]
+    compared = cases[compared_with_static(cases)]
     if compared.empty:
         return
     size = compared["difference_to_static"].abs()
@@ -106,6 +108,8 @@ def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
     )
     for row in compared[size > AGREEMENT].itertuples():
         yield f"  {row.name} ({row.model}): {100 * float(row.difference_to_static):+.2f} %"
+    for name, model, words in disagreements(cases):
+        yield f"  {name} ({model}) {words}"
 
 
 def _without_friction(cases: pd.DataFrame, ductile: Sequence[str]) -> Iterator[str]:

@@ -43,7 +43,8 @@ class JointAnswer:
         """Which load that is."""
         if not self.load:
             return "nothing is carried"
-        return "lowest peak found" if self.solution.spread else "peak"
+        which = "lowest peak found" if self.solution.spread else "peak"
+        return f"{which}; beyond it pieces turn by over 2 degrees" if self.solution.turns else which
 
 
 def meshes(joint: Joint) -> tuple[float, float]:

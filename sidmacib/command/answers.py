@@ -15,6 +15,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:
+    from sidmacib.problem import Failures
     from sidmacib.rule.reliability import Reliability
 
 Row = dict[str, Any]
@@ -85,6 +86,7 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer:
     from sidmacib.answers.joint import meshes
+    from sidmacib.engines.agreement import disagreement
     from sidmacib.engines.run import EngineError, engine_outcome
     from sidmacib.joint.loading import posed
     from sidmacib.problem import checked_share
@@ -97,8 +99,24 @@ def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer
         raise CapacityError(error.in_short) from None
     checked_share(problem, found)
     load, first = found.state.load, found.first_failure_load
+    peak = None if engine.first_failure_only else load
+    notes = [f"failure mode: {found.mode}", f"{engine.label} {engine.version()}"]
+    if static := _static_failures(joint, loading):
+        notes.append(disagreement(peak, first, static))
     first = None if first is None else first / load
-    return Answer(load, f"failure mode: {found.mode}; {engine.label} {engine.version()}", first)
+    return Answer(load, "; ".join(filter(None, notes)), first)
+
+
+def _static_failures(joint: Joint, loading: Loading) -> "Failures | None":
+    """First failure and peak of the static model on the nodes of engines; None if it has none."""
+    from sidmacib.answers.joint import joint_answer
+    from sidmacib.problem import Failures
+
+    try:
+        found = joint_answer(joint, loading)
+    except ERRORS:
+        return None
+    return Failures(float(found.solution.first_failure_load), found.load)
 
 
 def _characteristic(

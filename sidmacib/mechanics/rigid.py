@@ -206,7 +206,8 @@ class RigidSolver:
         displacement = float(self.load @ here.unknowns)
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
-        return Equilibrium(load, unknowns, displacement, force.T, after)
+        rotation = float(np.linalg.norm(unknowns.reshape(-1, RIGID)[:, 3:], axis=1).max())
+        return Equilibrium(load, unknowns, displacement, force.T, after, rotation)
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
 
@@ -20,7 +21,8 @@ class Equilibrium:
     ``load``: along the direction of loading, in N. ``unknowns``: of its solver, (U,), see there.
     ``displacement``: along the load, in m. ``force``: (N, 3) in N, the force of the piece below
     each node on the piece above in the frame of the face: normal (compression positive) and two
-    tangents. ``state``: of the nodes.
+    tangents. ``state``: of the nodes. ``rotation``: the largest of a piece, in rad; 0 for elastic
+    pieces, whose unknowns do not have it.
     """
 
     load: float
@@ -28,6 +30,7 @@ class Equilibrium:
     displacement: float
     force: Floats
     state: NodeState
+    rotation: float = 0.0
 
 
 class Equilibria(Protocol):
@@ -55,6 +58,37 @@ class Solver(Equilibria, Protocol):
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
+
+
+class SmallRotations:
+    """A ``solver`` that finds no equilibria where a piece has turned by more than ``most`` (rad).
+
+    Forces are balanced where pieces were built: what it finds there need not exist. ``exceeded``:
+    whether the last search ended with such an equilibrium.
+    """
+
+    def __init__(self, solver: Equilibria, most: float) -> None:
+        self.solver, self.most, self.exceeded = solver, most, False
+
+    @property
+    def contact_law(self) -> ContactLaw:
+        """The contact law of its nodes."""
+        return self.solver.contact_law
+
+    def start(self) -> Equilibrium:
+        """Equilibrium under the permanent loads alone."""
+        return self.solver.start()
+
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
+        """Equilibrium at ``load`` (N), see `Equilibria`."""
+        self.exceeded = False
+        found = self.solver.solve(load, guess, state, thorough=thorough)
+        self.exceeded = found.rotation > self.most
+        if self.exceeded:
+            raise NoEquilibriumError(f"at {load:g} N a piece turns by {found.rotation:.2g} rad")
+        return found
 
 
 def lifted_part(weight: Floats, motion: Floats) -> float:
@@ -95,7 +129,8 @@ class StaticSolution:
     ``refinement``: the factor on the increments of the load at which the first failure converged.
     ``collapsed``: what was left of the bonds when no equilibrium followed, see `NodeState.whole`;
     None if the path ended otherwise. ``spread``: of the peaks that were found, the highest less the
-    lowest, over the lowest; see `sidmacib.mechanics.static.peaks`.
+    lowest, over the lowest; see `sidmacib.mechanics.static.peaks`. ``turns``: whether it ends
+    because a piece would turn too far, with no bond at its strength, see `SmallRotations`.
     """
 
     first_failure_load: float
@@ -104,6 +139,7 @@ class StaticSolution:
     refinement: float = 1.0
     collapsed: Floats | None = None
     spread: float = 0.0
+    turns: bool = False
 
     @property
     def peak(self) -> Equilibrium:

@@ -3,7 +3,8 @@
 The load rises in increments, so that friction has its history. When a node reaches its strength it
 loses all of it at once, together with the nodes that fail at the same load, and a new equilibrium
 is sought at that load; if there is none, the load is the peak. A solver finds the equilibria: one
-for rigid pieces, one for elastic pieces.
+for rigid pieces, one for elastic pieces. Equilibria in which a rigid piece has turned by more than
+2 degrees where bonds have failed do not count: forces are balanced where pieces were built.
 
 Pieces may also move away while all bonds are whole. To see how, the model pushes them slightly
 beyond the peak, against drag. If that lifts them against the permanent loads they rock; otherwise
@@ -27,6 +28,7 @@ from sidmacib.mechanics.solution import (
     Equilibrium,
     FirstFailure,
     Mode,
+    SmallRotations,
     Solver,
     StaticSolution,
 )
@@ -45,6 +47,9 @@ MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries 
 SOFTENING_INCREMENT = 0.02  # largest load increment of softening bonds, over the first failure
 LEAST_SOFTENING_INCREMENT = 1e-4  # over the load: precision of their peak
 MOST_DISPLACEMENT = 200.0  # over that of whole bonds, as in the engines; more is failure
+# Largest rotation (rad) of a piece behind the first failure, and over that at it, if this is more:
+# a column that has broken off and turns further need not be held, as forces act elsewhere.
+MOST_ROTATION, TURNED = 0.035, 2.0
 BEYOND = 0.01  # over the peak: excess of the load at which the motion of the pieces is seen
 LIFT = 1e-3  # least fraction of the motion that counts as lifting; rounding and elasticity: 1e-5
 TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
@@ -125,7 +130,8 @@ def another_peak(
 def _solution(solver: Solver, scale: float, found: "BrittlePath") -> StaticSolution:
     mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], scale)
     path = found.path[: found.peak + 1]
-    return StaticSolution(found.first_failure_load, path, mode, found.refinement, found.collapsed)
+    first, ending = found.first_failure_load, (found.refinement, found.collapsed)
+    return StaticSolution(first, path, mode, *ending, turns=found.turns)
 
 
 @dataclass(frozen=True)
@@ -135,13 +141,15 @@ class BrittlePath:
     ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
     equilibria; those after the ``peak`` have its load, with more bonds broken. ``refinement``: a
     factor on the increments. ``collapsed``: what was left of the bonds when no equilibrium followed
-    their failure, see `NodeState.whole`; None if the path ends otherwise.
+    their failure, see `NodeState.whole`; None if the path ends otherwise. ``turns``: whether it
+    ends because a piece would turn too far, with no bond at its strength.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
     refinement: float
     collapsed: Floats | None
+    turns: bool
 
     @property
     def by_bonds(self) -> bool:
@@ -181,13 +189,15 @@ def _after_first_failure(
     ``other``: another path of the same assembly, if it is known.
     """
     first_failure, collapsed = path[-1].load, None
+    near = SmallRotations(solver, max(MOST_ROTATION, TURNED * path[-1].rotation))
     while failing.any():
-        after, left = _redistributed(solver, path[-1], failing, other)
+        after, left = _redistributed(near, path[-1], failing, other)
         if after is None:
             collapsed = left
             break
-        path, failing = _raised(solver, [*path, after], scale, refinement, precision)
-    return BrittlePath(first_failure, tuple(path), refinement, collapsed)
+        path, failing = _raised(near, [*path, after], scale, refinement, precision)
+    turns = near.exceeded and collapsed is None
+    return BrittlePath(first_failure, tuple(path), refinement, collapsed, turns)
 
 
 def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolution:
