@@ -101,18 +101,26 @@ def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer
     load, first = found.state.load, found.first_failure_load
     peak = None if engine.first_failure_only else load
     notes = [f"failure mode: {found.mode}", f"{engine.label} {engine.version()}"]
-    if static := _static_failures(joint, loading):
+    if static := _static_failures(joint, loading, peak is None):
         notes.append(disagreement(peak, first, static))
     first = None if first is None else first / load
     return Answer(load, "; ".join(filter(None, notes)), first)
 
 
-def _static_failures(joint: Joint, loading: Loading) -> "Failures | None":
-    """First failure and peak of the static model on the nodes of engines; None if it has none."""
-    from sidmacib.answers.joint import joint_answer
+def _static_failures(joint: Joint, loading: Loading, first_only: bool) -> "Failures | None":
+    """First failure and peak (N) of the static model on the engines' nodes; None if it has none.
+
+    ``first_only``: without the peak, which takes minutes for elastic blocks.
+    """
+    from sidmacib.answers.joint import joint_answer, meshes
+    from sidmacib.joint.loading import posed
+    from sidmacib.mechanics.static import static_first_failure
     from sidmacib.problem import Failures
 
     try:
+        if first_only:
+            first = static_first_failure(*posed(joint, loading, meshes(joint)[1])).point.load
+            return Failures(float(first), math.nan)
         found = joint_answer(joint, loading)
     except ERRORS:
         return None
