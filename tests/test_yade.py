@@ -63,8 +63,8 @@ def test_a_joint_whose_column_snaps_to_another_equilibrium_has_not_collapsed(run
     case = a_case("yade", joint, Loading(Direction(0.5)), 0.02, nodes, damping=0.7)
     found, expected = run(case), static_peak(*case.subject.problem())
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
-    # The static model's rotations are small ones; LIGGGHTS has 1215 N.
-    assert found.peak_load == pytest.approx(expected.peak.load, rel=0.06)
+    # The static model, of small rotations, does not count on a column that has turned so far.
+    assert found.peak_load > 1.5 * expected.peak.load
 
 
 def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
