@@ -26,18 +26,23 @@ def page(data: Mapping[str, Any], words: Mapping[str, Any], template: Path = TEM
         plotly = importlib.import_module(PACKAGE).get_plotlyjs()
     except ImportError:
         raise ValueError("needs the package plotly: pip install multilock[report]") from None
-    environment = Environment(
-        loader=FileSystemLoader([HERE, template.parent]), undefined=StrictUndefined, autoescape=True
-    )
     # Names of blocks may hold anything: nothing in them ends the script that they are in.
     text = json.dumps(_short(data), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
-    return environment.get_template(template.name).render(
+    return rendered(
+        template,
         data=text,
         plotly=plotly,
         style=(HERE / "report.css").read_text(),
         script="".join((HERE / name).read_text() for name in SCRIPTS),
         **words,
     )
+
+
+def rendered(template: Path, **words: Any) -> str:
+    """A ``template`` with its ``words``, which may include others beside it or in this folder."""
+    folders = FileSystemLoader([HERE, template.parent])
+    environment = Environment(loader=folders, undefined=StrictUndefined, autoescape=True)
+    return environment.get_template(template.name).render(**words)
 
 
 def _short(value: Any) -> Any:
