@@ -6,7 +6,9 @@ and an assembly are a graph whose nodes have a block, a mesh of vertices and fac
 may have interfaces, which `sidmacib.structure.files.compas_interfaces` reads.
 """
 
+import json
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,17 +16,8 @@ from typing import Any
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.quantities import Number
+from sidmacib.quantities import Number, shown
 from sidmacib.structure.blocks import Block, require_near
-from sidmacib.structure.files.json_values import (
-    data_of,
-    flag,
-    json_in,
-    key_of,
-    mapping,
-    matrix_of,
-    number_of_node,
-)
 from sidmacib.structure.files.repair import (
     AS_IT_IS,
     Surface,
@@ -49,16 +42,16 @@ KINDS = (*ASSEMBLIES, MODEL, ANALYSIS, MESH)
 DENSITIES = Number(at_least=1e-3, at_most=1e6, unit="kg/m3")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Node:
-    """A node of the graph: the mesh of its block, whether it is a support, its density (kg/m3).
+    """A node of the graph: the surface of its block, whether it is a support, its density (kg/m3).
 
     ``matrix``: where the block is, (4, 4); None for where its mesh is. ``density``: None if the
     file gives none; ``material``: its name.
     """
 
     number: int
-    mesh: Mapping[str, Any]
+    surface: Surface
     support: bool
     density: float | None = None
     matrix: Floats | None = None
@@ -79,9 +72,10 @@ def read_compas(
     material has none. ``fixed``: nodes of the blocks that cannot move, in place of those that the
     file calls supports. Meshes are repaired, and faces that are not plane cut into triangles;
     blocks that cannot move may be flat.
-    ValueError, which names the node and the key, for what is not understood.
+    ValueError, which names the file or the block, for what is not understood.
     """
-    nodes = sorted(_nodes(path, name), key=lambda node: node.number)
+    with _understood(path):
+        nodes = sorted(_nodes(content_of(path), name), key=lambda node: node.number)
     held = {str(node.number) for node in nodes if node.support}
     if fixed is not None:
         asked = [str(each).removeprefix(f"{name}-") for each in fixed]
@@ -89,134 +83,167 @@ def read_compas(
     if not held and fixed is None:
         raise ValueError(f"{path.name}: calls no node a support; name the fixed nodes")
     return tuple(
-        _block(node, node.density or density, name, frame, str(node.number) in held)
+        _block(f"{name}-{node.number}", node, density, frame, str(node.number) in held)
         for node in nodes
     )
 
 
+@contextmanager
+def _understood(path: Path) -> Iterator[None]:
+    """ValueError that names the file, for values that are not where COMPAS writes them."""
+    try:
+        yield
+    except KeyError as error:
+        raise ValueError(f"{path.name}: lacks the key {shown(error.args[0])}") from None
+    except (AttributeError, IndexError, TypeError) as error:
+        raise ValueError(f"{path.name}: is not understood ({error})") from None
+
+
 def content_of(path: Path) -> Any:
     """What a JSON file of COMPAS holds, of an analysis its model; ValueError by its name."""
-    content = json_in(path)
-    if isinstance(content, dict) and content.get("dtype") == ANALYSIS:
-        return key_of(path.name, data_of(path.name, content), "model")
-    return content
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        raise ValueError(f"{path.name}: is no JSON ({error})") from None
+    with _understood(path):
+        analysis = isinstance(content, dict) and content.get("dtype") == ANALYSIS
+        return data_of(content)["model"] if analysis else content
 
 
-def graph_in(file: str, content: Any) -> Mapping[str, Any]:
-    """The nodes and edges of a model or an assembly, by ``node`` and ``edge``; ValueError."""
-    held = data_of(file, content, KINDS)
+def data_of(value: Mapping[str, Any], *kinds: str) -> Any:
+    """What an object of COMPAS holds; TypeError if it names a kind that is none of ``kinds``.
+
+    Version 2 calls the kind `dtype` and what it holds `data`; version 1 `value`, and older ones
+    have no kind.
+    """
+    kind = value.get("dtype", value.get("datatype"))
+    if kinds and kind is not None and kind not in kinds:
+        raise TypeError(f"dtype {shown(kind)} is not allowed; it must be {' or '.join(kinds)}")
+    return value.get("data", value.get("value", value))
+
+
+def graph_in(content: Any) -> Mapping[str, Any]:
+    """The nodes and edges of a model or an assembly, by ``node`` and ``edge``."""
+    held = data_of(content, *KINDS)
     if "assembly" in held:  # COMPAS before 1: blocks stand beside the graph
-        graph = data_of(f"{file}: assembly", held["assembly"])
+        graph = data_of(held["assembly"])
         nodes = graph.get("node", graph.get("vertex"))
-        blocks = mapping(f"{file}: blocks", key_of(file, held, "blocks"))
-        both = {
-            node: {**mapping(f"node {node}", value), "block": blocks.get(node)}
-            for node, value in mapping(f"{file}: node", nodes).items()
-        }
+        both = {node: {**of, "block": held["blocks"][node]} for node, of in nodes.items()}
         return {**graph, "node": both}
-    return held if "node" in held else data_of(f"{file}: graph", key_of(file, held, "graph"))
+    return held if "node" in held else data_of(held["graph"])
 
 
-def _nodes(path: Path, name: str) -> list[_Node]:
-    content, file = content_of(path), path.name
-    if isinstance(content, list):
-        each_alone = [
-            part for each in content for part in (each if isinstance(each, list) else [each])
+def edges_in(path: Path) -> list[tuple[str, str, Floats]]:
+    """Two nodes and the corners (m), (K, 3), of each interface in a file; ValueError."""
+    with _understood(path):
+        return [
+            (one, other, _numbers([of["data"] if isinstance(of, dict) else of for of in corners]))
+            for one, others in graph_in(content_of(path))["edge"].items()
+            for other, edge in others.items()
+            for corners in _contacts(edge)
         ]
-        meshes = [data_of(f"{name}-{k}", each, (MESH, BLOCK)) for k, each in enumerate(each_alone)]
-        return [_Node(number, mesh, False) for number, mesh in enumerate(meshes)]
-    held = data_of(file, content, KINDS)
+
+
+def _contacts(edge: Mapping[str, Any]) -> Iterator[list[Any]]:
+    """The corners of each contact of two blocks."""
+    if edge.get("interface_points"):  # COMPAS before 1
+        yield edge["interface_points"]
+    contacts = edge.get("interfaces") or edge.get("contacts") or []
+    if not contacts and edge.get("interface"):  # COMPAS 1
+        contacts = [edge["interface"]]
+    for contact in contacts:
+        yield data_of(contact, INTERFACE, CONTACT)["points"]
+
+
+def _nodes(content: Any, name: str) -> list[_Node]:
+    """The nodes in what a file holds; ``name``: begins those of their blocks."""
+    if isinstance(content, list):
+        alone = [mesh for each in content for mesh in (each if isinstance(each, list) else [each])]
+        meshes = {str(number): data_of(mesh, MESH, BLOCK) for number, mesh in enumerate(alone)}
+        return [_node(node, mesh, name, False) for node, mesh in meshes.items()]
+    held = data_of(content, *KINDS)
     if "vertex" in held and "face" in held:
-        return [_Node(number, mesh, False) for number, mesh in enumerate(_bodies(file, held))]
+        places, bodies = bodies_in(*_surface(name, held))
+        return [_Node(number, (places, body), False) for number, body in enumerate(bodies)]
     if "blocks" in held and "assembly" not in held and "graph" not in held:
-        blocks = mapping(f"{file}: blocks", held["blocks"])
-        return [_of_assembly(node, {"block": mesh}, False, name) for node, mesh in blocks.items()]
-    graph = graph_in(file, content)
-    nodes = mapping(f"{file}: node", key_of(file, graph, "node"))
+        return [
+            _node(node, data_of(mesh, BLOCK), name, False) for node, mesh in held["blocks"].items()
+        ]
+    graph = graph_in(content)
     if "elements" in held:
-        return list(_elements(file, held, nodes, name))
+        return list(_elements(held, graph["node"], name))
     defaults = ("default_node_attributes", "node_attributes", "dna", "dva")
-    usual = next((mapping(f"{file}: {k}", graph[k]) for k in defaults if k in graph), {})
-    default = flag(f"{file}: is_support", usual.get("is_support", False))
-    return [_of_assembly(node, value, default, name) for node, value in nodes.items()]
+    usual: Mapping[str, Any] = next((graph[key] for key in defaults if key in graph), {})
+    return [
+        _node(node, data_of(of["block"], BLOCK), name, {**usual, **of}.get("is_support", False))
+        for node, of in graph["node"].items()
+    ]
 
 
-def _of_assembly(node: str, value: Any, default: bool, begin: str) -> _Node:
-    number, held = number_of_node(node), mapping(f"node {node}", value)
-    name = f"{begin}-{number}"
-    mesh = data_of(f"{name}: block", key_of(name, held, "block"), (BLOCK,))
-    return _Node(number, mesh, flag(f"{name}: is_support", held.get("is_support", default)))
+def _node(node: str, mesh: Mapping[str, Any], begin: str, support: bool, *more: Any) -> _Node:
+    if not node.isdecimal():
+        raise TypeError(f"node {shown(node)} must be a number")
+    return _Node(int(node), _surface(f"{begin}-{node}", mesh), support, *more)
 
 
-def _elements(
-    file: str, model: Mapping[str, Any], nodes: Mapping[str, Any], begin: str
-) -> Iterator[_Node]:
+def _elements(model: Mapping[str, Any], nodes: Mapping[str, Any], begin: str) -> Iterator[_Node]:
     """The nodes of a model, whose blocks are elements by an identity of theirs."""
-    elements = _by_identity(f"{file}: elements", key_of(file, model, "elements"))
-    materials = _by_identity(f"{file}: materials", model.get("materials") or {})
-    made_of = mapping(f"{file}: element_material", model.get("element_material") or {})
-    tree = mapping(
-        f"{file}: tree", key_of(file, mapping(file, key_of(file, model, "tree")), "root")
-    )
-    whole = matrix_of(f"{file}: transformation", model.get("transformation"))
-    above = dict(_matrices(f"{file}: tree", tree, elements, whole))
+    elements, materials = (_by_identity(model.get(key)) for key in ("elements", "materials"))
+    made_of = model.get("element_material") or {}
+    whole = _matrix(model.get("transformation"))
+    above = dict(_matrices(model["tree"]["root"], elements, whole))
     for node, value in nodes.items():
-        name = f"{begin}-{number_of_node(node)}"
-        identity = str(key_of(f"node {node}", mapping(f"node {node}", value), "element"))
-        given = key_of(f"{file}: elements", elements, identity)
-        if isinstance(given, dict) and given.get("dtype") == GROUP:
+        identity = str(value["element"])
+        if elements[identity].get("dtype") == GROUP:
             continue
-        element = data_of(name, given, ELEMENTS)
-        geometry = "shape" if "shape" in element else "geometry"  # the first of older versions
-        mesh = data_of(f"{name}: {geometry}", key_of(name, element, geometry))
-        own = matrix_of(f"{name}: transformation", element.get("transformation"))
-        density = material = None
-        law_of = element.get("material") or made_of.get(identity)
-        if law_of is not None:
-            law = data_of(name, key_of(f"{file}: materials", materials, str(law_of)))
-            material = str(law["name"]) if law.get("name") else None
-            if law.get("density") is not None:
-                density = _positive(f"{name}: density of its material", law["density"])
-        support = flag(f"{name}: is_support", element.get("is_support", False))
-        matrix = above.get(identity, whole) @ own
-        yield _Node(number_of_node(node), mesh, support, density, matrix, material)
+        element = data_of(elements[identity], *ELEMENTS)
+        mesh = data_of(element["shape" if "shape" in element else "geometry"])  # of older versions
+        material = element.get("material") or made_of.get(identity)
+        law = {} if material is None else data_of(materials[str(material)])
+        matrix = above.get(identity, whole) @ _matrix(element.get("transformation"))
+        support = element.get("is_support", False)
+        yield _node(node, mesh, begin, support, law.get("density"), matrix, law.get("name"))
 
 
-def _by_identity(name: str, value: Any) -> dict[str, Any]:
+def _by_identity(values: Any) -> dict[str, Any]:
     """Objects by their `guid`, as they stand or from a list of older versions."""
-    if isinstance(value, list):
-        return {str(key_of(name, mapping(name, each), "guid")): each for each in value}
-    return mapping(name, value)
+    if isinstance(values, list):
+        return {str(each["guid"]): each for each in values}
+    return values or {}
 
 
 def _matrices(
-    name: str, node: Any, elements: Mapping[str, Any], above: Floats
+    node: Mapping[str, Any], elements: Mapping[str, Any], above: Floats
 ) -> Iterator[tuple[str, Floats]]:
     """Where the groups of each element put it, (4, 4), by its identity."""
-    held = mapping(name, node)
-    identity = str(held.get("element"))
+    identity, children = str(node.get("element")), node.get("children") or ()
     yield identity, above
-    children = held.get("children") or ()
-    if not isinstance(children, list | tuple):
-        raise ValueError(f"{name}: children must be a list")
     if children and identity in elements:
-        group = data_of(name, elements[identity])
-        above = above @ matrix_of(f"{name}: transformation", group.get("transformation"))
+        above = above @ _matrix(data_of(elements[identity]).get("transformation"))
     for child in children:
-        yield from _matrices(name, child, elements, above)
+        yield from _matrices(child, elements, above)
 
 
-def _positive(name: str, value: Any) -> float:
+def _matrix(transformation: Any) -> Floats:
+    """A transformation, (4, 4), which mirrors nothing."""
+    if transformation is None:
+        return np.eye(4)
+    matrix = _numbers(data_of(transformation)["matrix"])
+    if matrix.shape != (4, 4) or not np.linalg.det(matrix) > 0.0:
+        raise TypeError("a transformation must be of 4 x 4 numbers, and not mirror the blocks")
+    return matrix
+
+
+def _numbers(values: Any) -> Floats:
     try:
-        return DENSITIES.read(value)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+        return np.array(values, float)
+    except ValueError:
+        raise TypeError(f"{shown(values)} must have numbers") from None
 
 
 def _surface(name: str, mesh: Mapping[str, Any]) -> Surface:
     """The vertices of a mesh, (V, 3), and its faces."""
-    vertices = mapping(f"{name}: vertex", key_of(name, mesh, "vertex"))
-    faces = mapping(f"{name}: face", key_of(name, mesh, "face"))
+    vertices, faces = mesh["vertex"], mesh["face"]
     order = {key: place for place, key in enumerate(vertices)}
     try:
         places = np.array([[float(v.get(k, 0.0)) for k in "xyz"] for v in vertices.values()])
@@ -227,23 +254,12 @@ def _surface(name: str, mesh: Mapping[str, Any]) -> Surface:
     return places.reshape(-1, 3), outlines
 
 
-def _bodies(file: str, mesh: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """The bodies in one mesh, as meshes."""
-    places, found = bodies_in(*_surface(file, mesh))
-    vertices = {
-        str(number): dict(zip("xyz", place, strict=True))
-        for number, place in enumerate(places.tolist())
-    }
-    for body in found:
-        yield {"vertex": vertices, "face": {str(k): face for k, face in enumerate(body)}}
-
-
-def _block(node: _Node, density: float, begin: str, frame: Floats, fixed: bool) -> Block:
-    name = f"{begin}-{node.number}"
-    places, faces = _surface(name, node.mesh)
+def _block(name: str, node: _Node, density: float, frame: Floats, fixed: bool) -> Block:
+    places, faces = node.surface
     if node.matrix is not None:
         places = places @ node.matrix[:3, :3].T + node.matrix[:3, 3]
     places = places @ frame.T
     if fixed:
         places, faces = with_depth(places, faces)
-    return replace(repaired(name, places, faces, density), fixed=fixed, material=node.material)
+    block = repaired(name, places, faces, density if node.density is None else node.density)
+    return replace(block, fixed=fixed, material=node.material)

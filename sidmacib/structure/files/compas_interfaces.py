@@ -1,9 +1,8 @@
 """Interfaces that a file of COMPAS brings, for blocks with gaps between them."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import shapely
@@ -11,8 +10,7 @@ import shapely
 from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.quantities import shown
 from sidmacib.structure.blocks import Block, normal_of, require_near
-from sidmacib.structure.files.compas import CONTACT, INTERFACE, content_of, graph_in
-from sidmacib.structure.files.json_values import data_of, key_of, mapping
+from sidmacib.structure.files.compas import edges_in
 from sidmacib.structure.files.repair import AS_IT_IS
 from sidmacib.structure.interfaces import Interface, tangents
 
@@ -29,39 +27,18 @@ def read_compas_interfaces(
     `read_compas`, and ValueError, which names the edge, for an interface that has no area or is at
     no face.
     """
-    graph = graph_in(path.name, content_of(path))
     nodes = {block.name.rpartition("-")[2]: place for place, block in enumerate(blocks)}
     found = []
-    for name, one, other, contact in _contacts(path.name, graph):
-        try:
-            ends = nodes[one], nodes[other]
-            places = [each["data"] if isinstance(each, dict) else each for each in contact]
-            corners = np.array(places, float).reshape(-1, 3)
-            require_near("points", corners)
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"{name}: is not understood ({error!r})") from None
-        below, above = min(ends), max(ends)
+    for one, other, points in edges_in(path):
+        name = f"edge between {shown(one)} and {shown(other)}"
+        if one not in nodes or other not in nodes:
+            raise ValueError(f"{name}: must be between two blocks of the file")
+        corners = points.reshape(-1, 3)
+        require_near(name, corners)
+        below, above = sorted((nodes[one], nodes[other]))
         if not (blocks[below].fixed and blocks[above].fixed):
             found.append(_interface(name, below, above, corners @ frame.T, blocks[below]))
     return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
-
-
-def _contacts(file: str, graph: Mapping[str, Any]) -> Iterator[tuple[str, str, str, list[Any]]]:
-    """The name of each interface's edge, its two nodes, and its corners."""
-    for one, others in mapping(f"{file}: edge", key_of(file, graph, "edge")).items():
-        for other, edge in mapping(f"edge {one}", others).items():
-            name = f"edge {one}-{other}"
-            held = mapping(name, edge)
-            if held.get("interface_points"):  # COMPAS before 1
-                yield name, one, other, held["interface_points"]
-            contacts = held.get("interfaces") or held.get("contacts") or []
-            if not contacts and held.get("interface"):  # COMPAS 1
-                contacts = [held["interface"]]
-            if not isinstance(contacts, list):
-                raise ValueError(f"{name}: {shown(contacts)} is not allowed; it must be a list")
-            for given in contacts:
-                points = key_of(name, data_of(name, given, (INTERFACE, CONTACT)), "points")
-                yield name, one, other, points
 
 
 def _interface(name: str, below: int, above: int, corners: Floats, block: Block) -> Interface:
