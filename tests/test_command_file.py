@@ -72,7 +72,7 @@ def test_a_flag_before_a_faulty_file_is_blamed_for_its_own_value_only(tmp_path: 
     path = tmp_path / "joint.yaml"
     path.write_text("a: 0.08\nb: -1\n")
     assert f"--file {path}: b: -1 is" in run("law", "--file", str(path), "-a", "0.07").output
-    assert "-a: -2.0 is not" in run("law", "--file", str(path), "-a", "-2", "-b", "1").output
+    assert "-a: '-2' is not" in run("law", "--file", str(path), "-a", "-2", "-b", "1").output
 
 
 @pytest.mark.parametrize(("name", "value"), [("a", 80.0), ("b", 50.0), ("h", 472e3), ("H", 5.1)])

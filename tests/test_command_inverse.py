@@ -54,8 +54,8 @@ def test_the_strongest_joint_is_said_to_reach_its_share_of_the_load(load: str) -
     ("arguments", "words"),
     [
         ((), "Give the load: -V, -M, or -V with -e."),
-        (("-V", "-3"), "-V: -3 is not allowed; it must be a finite number of at least 0"),
-        (("-V", "nan"), "-V: nan is not allowed"),
+        (("-V", "-3"), "-V: '-3' is not allowed; it must be at least 0 (N)"),
+        (("-V", "nan"), "-V: 'nan' is not a number"),
         (("-V", "3", "-M", "1", "-e", "0.3"), "not both"),
         (("-V", "3", "-n", "5"), "-n: joint finds the number of locks; remove -n or use --vary"),
         (("-V", "3", "--vary", "locks=3,5", "-n", "5"), "remove -n or --vary locks"),

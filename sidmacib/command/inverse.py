@@ -46,10 +46,6 @@ def demand_of(
     """The demand; `click.UsageError` if there is none, or if it contradicts itself."""
     if not (shear or torque or ratio):
         raise click.UsageError("Give the load: -V, -M, or -V with -e.")
-    for flag, value in (("-V", shear), ("-M", torque), ("-e", ratio or 0.0)):
-        if not math.isfinite(value) or (flag == "-V" and value < 0.0):
-            allowed = "a finite number" + (" of at least 0" if flag == "-V" else "")
-            raise click.UsageError(f"{flag}: {value:g} is not allowed; it must be {allowed}")
     try:
         return Demand(shear, torque, ratio, reliability)
     except ValueError as error:

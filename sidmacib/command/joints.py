@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -12,10 +12,7 @@ from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.quantities import Number, shown, with_unit
-
-if TYPE_CHECKING:
-    from sidmacib.rule.reliability import Reliability
+from sidmacib.quantities import Number, shown
 
 DEFAULT = Joint(5)
 # Further names of flags: -h is a height here, while other programs take it for help.
@@ -58,7 +55,7 @@ class HoldDownType(click.ParamType[HoldDown]):
 
 
 class QuantityType(click.ParamType[float]):
-    """A number in SI units, or one with a unit such as 80mm."""
+    """A number of a range, in SI units, or with a unit such as 80mm."""
 
     name = "float"
 
@@ -66,9 +63,7 @@ class QuantityType(click.ParamType[float]):
         self.number = number
 
     def convert(self, value: Any, param: Any, ctx: Any) -> float:
-        """The number, as click reads it; with a unit, in the unit of plain numbers."""
-        if with_unit(str(value)) is None:
-            return float(click.FLOAT.convert(value, param, ctx))
+        """The number, in the unit of plain numbers."""
         try:
             return self.number.read(value)
         except ValueError as error:
@@ -133,34 +128,18 @@ def reliability_options(command: Callable[..., Any]) -> Callable[..., Any]:
     scatter = click.option(
         "--scatter",
         "variation",
-        type=float,
+        type=QuantityType(Number(above=0, at_most=1)),
         help="Coefficient of variation of the locks' strengths, such as 0.2; cohesion and tensile "
         "strength are then means.  [default: strengths are design values]",
     )
     factor = click.option(
         "--gamma-m",
         "factor",
-        type=float,
+        type=QuantityType(Number(at_least=1, at_most=10)),
         help="Partial factor for the design resistance. Without --scatter, strengths are "
         "characteristic values.",
     )
     return scatter(factor(command))
-
-
-def reliability_of(variation: float | None, factor: float | None) -> "Reliability":
-    """What these options say of strengths; `click.UsageError` names what is wrong."""
-    from sidmacib.rule.reliability import Reliability
-
-    for flag, value in (("--scatter", variation), ("--gamma-m", factor)):
-        try:
-            if value is not None:
-                Reliability(*((value, 1.0) if flag == "--scatter" else (0.0, value)))
-            if flag == "--scatter" and value == 0.0:
-                raise ValueError("0 is not allowed; leave it out where strengths do not scatter")
-        except ValueError as error:
-            words = str(error).partition(": ")[2] or str(error)
-            raise click.UsageError(f"{flag}: {words}") from None
-    return Reliability(variation or 0.0, factor or 1.0)
 
 
 def joint_of(given: Mapping[str, Any]) -> Joint:

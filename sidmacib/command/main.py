@@ -12,7 +12,6 @@ from sidmacib.command.joints import (
     QuantityType,
     joint_of,
     joint_options,
-    reliability_of,
     reliability_options,
 )
 from sidmacib.command.options import LOAD, Grouped, Once, format_option, note_option, picture_option
@@ -35,7 +34,7 @@ from sidmacib.quantities import Number
 MODELS = ("safe", "law", "static", "limit", "sidmacib", *ENGINES)
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
-FORCE, TORQUE = Number(unit="N"), Number(unit="N m")
+FORCE, TORQUE = Number(at_least=0, unit="N"), Number(unit="N m")
 _ratio = click.option(
     "-e",
     "--eccentricity",
@@ -135,8 +134,9 @@ def capacity(
     reach; --gamma-m adds the design resistance. The last line says what strengths are taken for.
     """
     from sidmacib.command.answers import capacity_rows, meaning, resistances, usual_models
+    from sidmacib.rule.reliability import Reliability
 
-    joint, reliability = joint_of(flags), reliability_of(variation, factor)
+    joint, reliability = joint_of(flags), Reliability(variation or 0.0, factor or 1.0)
     asked = list(dict.fromkeys(models or usual_models(joint)))
     directions = list(dict.fromkeys(ratios))
     if note is not None and len(directions) > 1:
@@ -259,7 +259,7 @@ def law(form: str, push: str, **flags: Any) -> None:
     "-e",
     "--eccentricity",
     "ratio",
-    type=float,
+    type=QuantityType(Number()),
     help="e / a of V, instead of -M.",
     cls=Grouped,
     group=LOAD,
@@ -309,8 +309,9 @@ def inverse(
     with refused_in_one_line():
         from sidmacib.command import inverse as answers
         from sidmacib.command.answers import meaning
+        from sidmacib.rule.reliability import Reliability
 
-        reliability = reliability_of(variation, factor)
+        reliability = Reliability(variation or 0.0, factor or 1.0)
         demand = answers.demand_of(shear, torque, ratio, reliability)
         values, prices = answers.values_of(vary), answers.prices_of(price)
         if flags["locks"] is not None and (not vary or "locks" in values):
