@@ -1,7 +1,7 @@
 """Blocks and interfaces as points, triangles and edges, for a page that draws them."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -11,15 +11,14 @@ import shapely
 
 from sidmacib.build import Solid, solids
 from sidmacib.build.views import edge_vertices
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Piece
+from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import normal_of, solids_of
 from sidmacib.structure.files.structure_file import blocks_and_rows
-from sidmacib.structure.interfaces import tangents
+from sidmacib.structure.interfaces import tangents, triangles
 
 DIGITS = 6  # of coordinates
 LOCK = re.compile(r"-lock\d+$")  # ends the name of a lock that was cut out
-CLOSE = 1e-9  # over the size of an outline: points nearer than that are one
 
 
 def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
@@ -82,17 +81,6 @@ def outlines(piece: Piece) -> list[Floats]:
 def points_of(shape: dict[str, Any]) -> int:
     """Number of points of a shape."""
     return sum(len(each["points"]) for part in ("blocks", "interfaces") for each in shape[part])
-
-
-def triangles(region: shapely.Polygon, corners: Floats) -> Iterator[list[int]]:
-    """Triangles that fill a plane ``region``, as numbers of its ``corners``, (K, 2)."""
-    near = CLOSE * float(np.ptp(corners, axis=0).max())
-    for part in shapely.get_parts(shapely.constrained_delaunay_triangles(region)):
-        places = shapely.get_coordinates(part)[:3]
-        apart = np.abs(corners[None, :, :] - places[:, None, :]).max(axis=2)
-        numbers = apart.argmin(axis=1).tolist()
-        assert float(apart.min(axis=1).max()) <= near
-        yield numbers
 
 
 def with_condensed_locks(description: Any, folder: Path) -> list[Solid]:

@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import shapely
 
-from sidmacib.mechanics.assembly import Floats, Vector
+from sidmacib.mechanics.assembly import CLOSE, Floats, Vector
 from sidmacib.structure.blocks import Block, normal_of
 from sidmacib.structure.overlaps import WIDEST, require_apart, tolerance_for
 from sidmacib.validation import refused
@@ -302,3 +302,14 @@ def tangents(normal: Floats) -> tuple[Floats, Floats]:
     first = first - (first @ normal) * normal
     first /= np.linalg.norm(first)
     return first, np.cross(normal, first)
+
+
+def triangles(region: shapely.Polygon, corners: Floats) -> Iterator[list[int]]:
+    """Triangles that fill a plane ``region``, as numbers of its ``corners``, (K, 2)."""
+    near = CLOSE * float(np.ptp(corners, axis=0).max())
+    for part in shapely.get_parts(shapely.constrained_delaunay_triangles(region)):
+        places = shapely.get_coordinates(part)[:3]
+        apart = np.abs(corners[None, :, :] - places[:, None, :]).max(axis=2)
+        numbers = apart.argmin(axis=1).tolist()
+        assert float(apart.min(axis=1).max()) <= near
+        yield numbers

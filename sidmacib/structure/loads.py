@@ -155,17 +155,20 @@ def force_at(
     ValueError unless there is such a piece that can move, and the direction has a length.
     """
     number, along = _number(assembly, name, fixed=False), _unit(direction)
-    arms = np.zeros((len(assembly.pieces), 3))
+    always = permanent_only(assembly, beside)
+    arms, variable = np.zeros((len(assembly.pieces), 3)), always.variable
     arms[number] = np.array(point, float) - assembly.pieces[number].centre
-    variable = np.zeros((len(arms), 6))
     variable[number] = [*along, *np.cross(arms[number], along)]
-    return PointForce(*_given(assembly, variable, beside), levers=_levers(beside), arms=arms)
+    return PointForce(**vars(always), arms=arms)
 
 
 def permanent_only(assembly: Assembly, beside: Permanent | None = None) -> StructureLoads:
     """Permanent loads alone."""
-    variable = np.zeros((len(assembly.pieces), 6))
-    return StructureLoads(*_given(assembly, variable, beside), levers=_levers(beside))
+    weight, scale = weight_of_free(assembly), free_weight(assembly)
+    if beside is None:
+        return StructureLoads(weight, np.zeros_like(weight), scale)
+    whole, scale = weight + beside.wrenches, scale + beside.size
+    return StructureLoads(whole, np.zeros_like(weight), scale, levers=beside.levers)
 
 
 def support_moves(
@@ -217,20 +220,6 @@ def naming_permanent(loads: Loads) -> Iterator[None]:
         raise type(error)(str(error).replace(OWN, ALL)) from None
 
 
-def _given(
-    assembly: Assembly, variable: Floats, beside: Permanent | None
-) -> tuple[Floats, Floats, float]:
-    """Permanent and variable loads, and their scale."""
-    weight, scale = weight_of_free(assembly), free_weight(assembly)
-    if beside is None:
-        return weight, variable, scale
-    return weight + beside.wrenches, variable, scale + beside.size
-
-
-def _levers(beside: Permanent | None) -> Floats | None:
-    return None if beside is None else beside.levers
-
-
 def _support(
     assembly: Assembly,
     name: str,
@@ -238,11 +227,9 @@ def _support(
     about: tuple[float, ...] | None,
     beside: Permanent | None,
 ) -> SupportMotion:
-    number = _number(assembly, name, fixed=True)
     return SupportMotion(
-        *_given(assembly, np.zeros((len(assembly.pieces), 6)), beside),
-        levers=_levers(beside),
-        support=number,
+        **vars(permanent_only(assembly, beside)),
+        support=_number(assembly, name, fixed=True),
         along=tuple(_unit(along).tolist()),
         about=about,
     )

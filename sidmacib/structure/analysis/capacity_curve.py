@@ -56,23 +56,13 @@ def capacity_curve(assembly: Assembly, loads: Loads) -> CapacityCurve:
     kinematics = Kinematics.of(assembly, loads)
     path = kinematics.path(lambda position: position.load <= 0.0)
     found = path.positions
-    load, moved, turned = (
-        np.array([of(each) for each in found]) for of in (_load, _moved, _largest_rotation)
-    )
+    load, moved = np.array([(each.load, each.moved) for each in found]).T
+    turned = np.array([_largest_rotation(each) for each in found])
     if path.end == REACHED and len(load) > 1:
         part = load[-2] / (load[-2] - load[-1])
         for each in (moved, turned, load):
             each[-1] = each[-2] + part * (each[-1] - each[-2])
-    hinges, slides = kinematics.moving(found[0])
-    return CapacityCurve(moved, load, turned, path, tuple(hinges), tuple(slides))
-
-
-def _load(position: Position) -> float:
-    return position.load
-
-
-def _moved(position: Position) -> float:
-    return position.moved
+    return CapacityCurve(moved, load, turned, path, *kinematics.moving(found[0]))
 
 
 def _largest_rotation(position: Position) -> float:

@@ -211,7 +211,7 @@ class Kinematics:
             np.asarray(every.T @ motion).reshape(-1, 3),
         )
 
-    def moving(self, here: Position) -> tuple[list[str], list[str]]:
+    def moving(self, here: Position) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names of the interfaces that are hinges at a position, and of those that slide.
 
         They are pressed; a hinge opens on one side, one that slides moves where it is closed.
@@ -226,7 +226,7 @@ class Kinematics:
                 slides.append(face.name)
             elif pressed.any() and opening[on_face].max() > least:
                 hinges.append(face.name)
-        return hinges, slides
+        return tuple(hinges), tuple(slides)
 
 
 def _verdict(failed: Sequence[CapacityError]) -> str:

@@ -84,8 +84,7 @@ def _reaction(assembly: Assembly, loads: SupportMotion, sign: float) -> Reaction
         start = kinematics.start()
     except InfeasibleError:
         raise InfeasibleError(DOES_NOT_STAND) from None
-    hinges, slides = kinematics.moving(start)
-    return Reaction(sign * start.load + 0.0, start.motion, tuple(hinges), tuple(slides))
+    return Reaction(sign * start.load + 0.0, start.motion, *kinematics.moving(start))
 
 
 def support_path(assembly: Assembly, loads: SupportMotion) -> SupportPath:
@@ -104,11 +103,5 @@ def support_path(assembly: Assembly, loads: SupportMotion) -> SupportPath:
         path = kinematics.path(stands_alone)
     except InfeasibleError:
         raise InfeasibleError(DOES_NOT_STAND) from None
-    hinges, slides = kinematics.moving(path.positions[-1])
-    return SupportPath(
-        np.array([each.moved for each in path.positions]),
-        -np.array([each.load for each in path.positions]),
-        tuple(hinges),
-        tuple(slides),
-        path,
-    )
+    movement, load = np.array([(each.moved, each.load) for each in path.positions]).T
+    return SupportPath(movement, -load, *kinematics.moving(path.positions[-1]), path)

@@ -16,6 +16,7 @@ from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
 from sidmacib.structure.files.compas import ASSEMBLIES, INTERFACE, MODEL, content_of
+from sidmacib.structure.interfaces import triangles
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
@@ -110,7 +111,7 @@ def compas_results(
 
 
 def with_interfaces(content: dict[str, Any], assembly: Assembly, force: Floats) -> dict[str, Any]:
-    """An assembly of compas_cra, as its JSON, with these interfaces and forces at its edges.
+    """Give an assembly of compas_cra, as its JSON, these interfaces and forces at its edges.
 
     ``force``: (N, 3) in N. Interfaces that it has before are replaced; their points are corners of
     the interfaces, in order, as its viewer draws them.
@@ -128,19 +129,8 @@ def with_interfaces(content: dict[str, Any], assembly: Assembly, force: Floats) 
         edge["interfaces"].append(
             _object(INTERFACE, _interface(contact, area), str(contact["polygon"]))
         )
-    return {
-        **content,
-        "data": {
-            **content["data"],
-            "graph": {**content["data"]["graph"], **_inside(content, edges)},
-        },
-    }
-
-
-def _inside(content: Mapping[str, Any], edges: Mapping[str, Any]) -> dict[str, Any]:
-    """The part of a graph, which may be an object of its own, that has its ``edges``."""
-    graph = content["data"]["graph"]
-    return {"data": {**graph["data"], "edge": edges}} if "data" in graph else {"edge": edges}
+    graph["edge"] = edges
+    return content
 
 
 def _interface(contact: Mapping[str, Any], area: float) -> dict[str, Any]:
@@ -303,12 +293,8 @@ def at_corners(face: Polygon, places: Floats, force: Floats) -> Floats:
     """
     corners = shapely.get_coordinates(face.outline.exterior)[:-1]
     flat = (places - np.array(face.middle)) @ face.axes[1:].T
-    parts = shapely.get_parts(
-        shapely.constrained_delaunay_triangles(shapely.Polygon(face.outline.exterior))
-    )
-    triangles = np.array([shapely.get_coordinates(part)[:3] for part in parts])
-    numbers = np.array([[_nearest(corners, corner) for corner in each] for each in triangles])
-    shares = np.stack([_areal(triangle, flat) for triangle in triangles])  # (T, N, 3)
+    numbers = np.array([*triangles(shapely.Polygon(corners), corners)])
+    shares = np.stack([_areal(corners[each], flat) for each in numbers])  # (T, N, 3)
     inside = shares.min(axis=2).argmax(axis=0)  # the triangle that a node is deepest in
     share = shares[inside, np.arange(len(flat))]
     share = np.where(np.abs(share) < CLOSE, 0.0, share)
@@ -317,10 +303,6 @@ def at_corners(face: Polygon, places: Floats, force: Floats) -> Floats:
         found, numbers[inside].ravel(), (share[:, :, None] * force[:, None, :]).reshape(-1, 3)
     )
     return found
-
-
-def _nearest(corners: Floats, place: Floats) -> int:
-    return int(np.square(corners - place).sum(axis=1).argmin())
 
 
 def _areal(triangle: Floats, places: Floats) -> Floats:

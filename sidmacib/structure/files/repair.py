@@ -1,7 +1,6 @@
 """Blocks from surfaces as files have them: welded, closed, turned outwards, of plane faces."""
 
 import math
-from collections import deque
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 from itertools import combinations, pairwise
@@ -258,10 +257,15 @@ def _with_cavities(surfaces: list[list[Face]], places: Floats) -> list[list[Face
     return list(bodies.values())
 
 
+def _fans(faces: Sequence[Face], places: Floats, point: Floats) -> Floats:
+    """Triangles of ``faces`` from their first vertices, seen from a ``point``: (3, T, 3) in m."""
+    fans = np.array([(f[0], a, b) for f in faces for a, b in pairwise(f[1:])])
+    return np.moveaxis(places[fans] - point, 1, 0)
+
+
 def _is_inside(point: Floats, faces: Sequence[Face], places: Floats) -> bool:
     """Whether a ``point`` (m) is in what closed ``faces`` bound, which may be turned either way."""
-    fans = np.array([(f[0], a, b) for f in faces for a, b in pairwise(f[1:])])
-    one, two, three = np.moveaxis(places[fans] - point, 1, 0)  # van Oosterom and Strackee
+    one, two, three = _fans(faces, places, point)  # van Oosterom and Strackee
     a, b, c = (np.linalg.norm(each, axis=1) for each in (one, two, three))
     volume = np.einsum("ij,ij->i", one, np.cross(two, three))
     dots = [np.einsum("ij,ij->i", x, y) for x, y in ((one, two), (two, three), (three, one))]
@@ -271,29 +275,19 @@ def _is_inside(point: Floats, faces: Sequence[Face], places: Floats) -> bool:
 
 def _outwards(name: str, faces: list[Face], places: Floats) -> list[Face]:
     """Closed faces with their vertices anticlockwise seen from outside; ValueError."""
-    beside: dict[int, list[tuple[int, bool]]] = {}
+    same: list[Edge] = []  # faces as they are have even numbers, turned ones odd numbers
     for (one, other), sides in _sides(faces).items():
         if len(sides) != 2:
             where = f"the edge between {_place(places[one])} and {_place(places[other])}"
             fault = f"{where} {_fault(len(sides))}"
             raise ValueError(f"{name}: its faces must close a volume; {fault}")
         (first, along), (second, back) = sides
-        beside.setdefault(first, []).append((second, along == back))
-        beside.setdefault(second, []).append((first, along == back))
-    turned: dict[int, bool] = {}
-    parts: list[list[int]] = []
-    for start in range(len(faces)):
-        if start in turned:
-            continue
-        turned[start], ahead, part = False, deque([start]), [start]
-        while ahead:
-            number = ahead.popleft()
-            for other, against in beside[number]:
-                if other not in turned:
-                    turned[other] = turned[number] ^ against
-                    ahead.append(other)
-                    part.append(other)
-        parts.append(part)
+        against = along == back
+        same += [(2 * first, 2 * second + against), (2 * first + 1, 2 * second + 1 - against)]
+    label = grouped(2 * len(faces), np.array(same, int).reshape(-1, 2)).reshape(-1, 2)
+    _, start, of = np.unique(label.min(axis=1), return_index=True, return_inverse=True)
+    turned = label[:, 0] != label[start[of], 0]
+    parts = [np.flatnonzero(of == number).tolist() for number in range(len(start))]
     ordered = [face[::-1] if turned[k] else face for k, face in enumerate(faces)]
     for part in parts:
         others = [[ordered[k] for k in each] for each in parts if each is not part]
@@ -318,9 +312,7 @@ def _place(point: Floats) -> str:
 
 def _volume(faces: Sequence[Face], places: Floats) -> float:
     """The volume that closed faces bound, in m3; negative if they are seen from inside."""
-    middle = places[list(faces[0])].mean(axis=0)
-    fans = np.array([(f[0], a, b) for f in faces for a, b in pairwise(f[1:])])
-    one, two, three = np.moveaxis(places[fans] - middle, 1, 0)
+    one, two, three = _fans(faces, places, places[list(faces[0])].mean(axis=0))
     return float(np.einsum("ij,ij->", one, np.cross(two, three)) / 6.0)
 
 
