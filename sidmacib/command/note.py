@@ -90,7 +90,7 @@ def joint_note(case: Case, command: str) -> str:
         joint=joint,
         resistance=resistance,
         margin=margin_of(joint),
-        drawing=drawing(joint, direction, str(push)),
+        at=drawing(joint, direction, str(push)),
         load=_load(case),
         parameters=_parameters(joint),
         locks=_locks(state, joint),
