@@ -7,7 +7,7 @@ behind it, such as 80mm, 5kN, 0.3MPa or 15deg; a number alone is in SI units.
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from numbers import Integral, Real
@@ -357,3 +357,9 @@ def four_digits(value: float) -> str:
     """``value`` in four digits, without an exponent up to `LARGEST`."""
     whole = 1e4 <= abs(value) < LARGEST
     return f"{value:.0f}" if whole else f"{value:.4g}"
+
+
+def some_of(names: Sequence[str], most: int) -> str:
+    """The first ``names`` in words, and how many others there are."""
+    others = f" and {len(names) - most} others" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{others}"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
+from sidmacib.quantities import some_of
 from sidmacib.structure.analysis.support_path import static_reactions
 from sidmacib.structure.analysis.supports import (
     SupportPath,
@@ -79,8 +80,7 @@ def _end(path: SupportPath) -> str:
 def joints_in_words(hinges: Sequence[str], slides: Sequence[str]) -> str:
     """Names of hinges and of joints that slide."""
     both = [
-        f"{words} {', '.join(names[:MOST_JOINTS])}"
-        + (f" and {len(names) - MOST_JOINTS} others" if len(names) > MOST_JOINTS else "")
+        f"{words} {some_of(names, MOST_JOINTS)}"
         for words, names in (("hinges at", hinges), ("sliding at", slides))
         if names
     ]

@@ -10,7 +10,7 @@ from sidmacib.build import Clearance, Kind, Solid, laid, own_axes
 from sidmacib.build.files import UNITS, file_name, obj_text, stl, threemf
 from sidmacib.build.sheet import draw_sheet, spelled, write_sheet
 from sidmacib.command.answers import Row
-from sidmacib.command.output import text_of
+from sidmacib.command.output import text_of, writing
 from sidmacib.structure.locks import Row as LockRow
 from sidmacib.structure.structure import Pair
 
@@ -50,7 +50,7 @@ def write_all(
     gaps = [f"{spelled(UNITS[unit] * gap)} {unit}" for gap in (clearance.sides, clearance.heads)]
     note = f"Clearance: {gaps[0]} at flanks and ends of locks, {gaps[1]} at their heads"
     note = note if locked else "No locks"
-    try:
+    with writing("--output", folder):
         for name in ("stl", "drawings"):
             (folder / name).mkdir(parents=True, exist_ok=True)
         (folder / "blocks.3mf").write_bytes(threemf(made, unit))
@@ -62,8 +62,6 @@ def write_all(
             progress(f"drawing {kind.name} of {of[min(len(of), SHEETS) - 1].name}")
             sheet = draw_sheet(kind, locked, len(made), unit, note)
             write_sheet(sheet, folder / "drawings" / f"{kind.name}.{drawings}")
-    except OSError as error:
-        raise click.UsageError(f"--output {folder}: {error.strerror or error}") from None
     if len(of) > SHEETS:
         click.echo(f"Note: of {len(of)} kinds the first {SHEETS} are drawn", err=True)
 
@@ -73,8 +71,7 @@ def write_step(made: Sequence[Solid], folder: Path, unit: str) -> None:
     from sidmacib.build.files import step
 
     try:
-        (folder / "blocks.step").write_bytes(step(made, unit))
+        with writing("--output", folder):
+            (folder / "blocks.step").write_bytes(step(made, unit))
     except ImportError as error:
         raise click.UsageError(f"--step: {error}") from None
-    except OSError as error:
-        raise click.UsageError(f"--output {folder}: {error.strerror or error}") from None

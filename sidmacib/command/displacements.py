@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from sidmacib.answers.supports import joints_in_words, support_answers
 from sidmacib.command.answers import Row
-from sidmacib.command.output import draw, text_of, write_text
+from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.capacity_curve import CapacityCurve, capacity_curve
@@ -89,15 +89,9 @@ def write_curve(rows: Sequence[Row], title: str, curve: Path | None, picture: Pa
 
 def _picture(rows: Sequence[Row], title: str) -> "Figure":
     """The first number of ``rows`` to the right, the second upwards."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.0, 4.0), layout="constrained")
-    axes = figure.subplots()
     moved, force = list(rows[0])[:2]
+    figure, axes = plot(title, moved, force)
     axes.plot([row[moved] for row in rows], [row[force] for row in rows], color=SKY)
-    axes.set_xlabel(moved)
-    axes.set_ylabel(force)
-    axes.set_title(title, loc="left", fontsize=10)
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=min(0.0, *(row[force] for row in rows)))
     axes.grid(color="#dddddd", linewidth=0.6)

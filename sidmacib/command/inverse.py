@@ -9,6 +9,7 @@ import numpy as np
 
 from sidmacib.command.answers import Row
 from sidmacib.command.joints import LOCKS
+from sidmacib.command.output import plot
 from sidmacib.drawing import GREEN, ORANGE
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
@@ -195,12 +196,11 @@ def chart(
     With one name or none: needed over safe load against it. A point stands for several joints where
     more than two names vary; it is strong enough if one of them is.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.0, 4.5), layout="constrained")
-    axes = figure.subplots()
     names = list(values or ("locks",))
     x, y = names[0], names[1] if len(names) > 1 else None
+    labels = [each if each == "locks" else f"{each} (m)" for each in names]
+    upwards = labels[1] if y else "required load / safe load"
+    figure, axes = plot("by the safe rule", labels[0], upwards, height=4.5)
     points: dict[tuple[float, float], Candidate] = {}
     for each in tried:
         height = getattr(each.joint, y) if y else (each.usage or 0.0)
@@ -218,14 +218,11 @@ def chart(
         label = "cheapest" if values else "fewest locks"
         ring = {"s": 160, "facecolors": "none", "edgecolors": "black", "label": label}
         axes.scatter([getattr(found.joint, x)], [height], **ring)
-    axes.set_xlabel(x if x == "locks" else f"{x} (m)")
-    axes.set_ylabel("required load / safe load" if y is None else y if y == "locks" else f"{y} (m)")
     for name, axis in ((x, axes.xaxis), (y, axes.yaxis)):
         if name == "locks":
             axis.get_major_locator().set_params(integer=True)
     if y is None:
         axes.axhline(1.0, color=GREY, linewidth=1)
-    axes.set_title("by the safe rule", loc="left", fontsize=10)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 

@@ -18,6 +18,7 @@ from sidmacib.models import MODELS
 from sidmacib.quantities import MEASURED_IN, four_digits
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from sidmacib.command.answers import Row
@@ -152,39 +153,51 @@ def status_line() -> Iterator[Callable[[str], object]]:
         show("")
 
 
+@contextmanager
+def writing(flag: str, path: Path) -> Iterator[None]:
+    """`click.UsageError` for a file or folder, named by a ``flag``, that cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise click.UsageError(f"{flag} {path}: {error.strerror or error}") from None
+
+
 def draw(figure: "Figure", path: Path) -> None:
     """Write ``figure`` into a file whose ending tells its kind; `click.UsageError`."""
     try:
-        figure.savefig(path, dpi=150)
-    except OSError as error:
-        raise click.UsageError(f"--picture {path}: {error.strerror or error}") from None
+        with writing("--picture", path):
+            figure.savefig(path, dpi=150)
     except ValueError as error:
         raise click.UsageError(f"--picture {path}: {error}") from None
 
 
 def write_text(text: str, path: Path, flag: str) -> None:
     """Write ``text`` into a file named by ``flag``; `click.UsageError`."""
-    try:
+    with writing(flag, path):
         path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise click.UsageError(f"{flag} {path}: {error.strerror or error}") from None
+
+
+def plot(title: str, x: str, y: str, height: float = 4.0) -> "tuple[Figure, Axes]":
+    """A figure with axes of this ``title`` and these labels; ``height`` in inches."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.0, height), layout="constrained")
+    axes = figure.subplots()
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.set_title(title, loc="left", fontsize=10)
+    return figure, axes
 
 
 def bars(rows: "Sequence[Row]", title: str) -> "Figure":
     """The weight of each lock."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.0, 4.0), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = plot(title, "lock", "weight")
     for block, colour in BLOCKS.items():
         of_block = [row for row in rows if row["block"] == block]
         locks = [row["lock"] for row in of_block]
         weights = [row["weight"] for row in of_block]
         axes.bar(locks, weights, color=colour, label=f"{block} block")
-    axes.set_xlabel("lock")
-    axes.set_ylabel("weight")
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.set_title(title, loc="left", fontsize=10)
     axes.legend()
     return figure
 

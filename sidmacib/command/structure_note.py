@@ -14,6 +14,7 @@ from sidmacib.command.output import cell, in_asked_units, in_asked_words, write_
 from sidmacib.command.structure_views import Views
 from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece
 from sidmacib.mechanics.crushing import crushed_faces, strength_of
+from sidmacib.quantities import some_of
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import load_of
 from sidmacib.scene.page import rendered
@@ -106,9 +107,8 @@ def _laws(faces: Iterable[Face]) -> Iterator[Cells]:
 def _failing(views: Views) -> str:
     """The order in which bonds fail, in words; nothing if none does."""
     order, unit = views.models[0].failing, "N" if views.problem.loads.axis is None else "degrees"
-    told = ", ".join(f"{name} ({load:.4g} {unit})" for name, load in order[:MOST_ROWS])
-    more = f" and {len(order) - MOST_ROWS} others" if len(order) > MOST_ROWS else ""
-    return in_asked_words(told) + more
+    told = [f"{name} ({load:.4g} {unit})" for name, load in order]
+    return in_asked_words(some_of(told, MOST_ROWS))
 
 
 def _what(drawn: Drawn) -> str:

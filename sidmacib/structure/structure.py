@@ -16,6 +16,7 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
 )
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
+from sidmacib.quantities import some_of
 from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.crossing import grouped
 from sidmacib.structure.interfaces import (
@@ -103,8 +104,7 @@ def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]
         )
     loose = [piece.name for piece, of in zip(pieces, group, strict=True) if of not in held]
     if loose:
-        others = f" and {len(loose) - 3} others" if len(loose) > 3 else ""
-        raise ValueError(f"{', '.join(loose[:3])}{others}: must be linked to a fixed block")
+        raise ValueError(f"{some_of(loose, 3)}: must be linked to a fixed block")
 
 
 def _require_room(found: Sequence[Interface], mesh: float) -> None:
