@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from sidmacib.command.options import GEOMETRY, LOAD, MATERIAL, OUTPUT, Grouped
+from sidmacib.command.options import GEOMETRY, LOAD, MATERIAL, OUTPUT, grouped
 from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
@@ -94,28 +94,26 @@ def _option(parameter: Parameter) -> Callable[..., Any]:
     given = f"{default:g}" if isinstance(default, float) else default
     words = f"{words[0].upper()}{words[1:]}.  [default: {given}]"
     group = GROUP_OF.get(parameter.name, MATERIAL)
-    return click.option(*names, type=kind, help=words, cls=Grouped, group=group)
+    return grouped(group, *names, type=kind, help=words)
 
 
 def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command all options of a joint."""
     options = (
         *map(_option, PARAMETERS.values()),
-        click.option(
+        grouped(
+            LOAD,
             "--push",
             type=click.Choice([str(push) for push in Push]),
             default="+y",
             show_default=True,
             help="Direction of the load.",
-            cls=Grouped,
-            group=LOAD,
         ),
-        click.option(
+        grouped(
+            OUTPUT,
             "--file",
             type=click.Path(path_type=Path),
             help="YAML file with the same names as the flags. Flags override the file.",
-            cls=Grouped,
-            group=OUTPUT,
         ),
     )
     for option in reversed(options):

@@ -14,7 +14,7 @@ from sidmacib.command.joints import (
     joint_options,
     reliability_options,
 )
-from sidmacib.command.options import LOAD, Grouped, Once, format_option, note_option, picture_option
+from sidmacib.command.options import LOAD, Once, format_option, grouped, note_option, picture_option
 from sidmacib.command.output import (
     bars,
     curves,
@@ -35,15 +35,14 @@ MODELS = ("safe", "law", "static", "limit", "sidmacib", *ENGINES)
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
 FORCE, TORQUE = Number(at_least=0, unit="N"), Number(unit="N m")
-_ratio = click.option(
+_ratio = grouped(
+    LOAD,
     "-e",
     "--eccentricity",
     "ratio",
     type=EccentricityType(),
     default=0.0,
     help="e / a, or torsion.  [default: 0, pure shear]",
-    cls=Grouped,
-    group=LOAD,
 )
 _models = click.option(
     "-m",
@@ -91,7 +90,8 @@ def main() -> None:
 
 @main.command()
 @joint_options
-@click.option(
+@grouped(
+    LOAD,
     "-e",
     "--eccentricity",
     "ratios",
@@ -99,8 +99,6 @@ def main() -> None:
     type=EccentricityType(),
     default=(0.0,),
     help="e / a, or torsion; may be repeated.  [default: 0, pure shear]",
-    cls=Grouped,
-    group=LOAD,
 )
 @_models
 @reliability_options
@@ -237,32 +235,19 @@ def law(form: str, push: str, **flags: Any) -> None:
 
 @main.command("joint")
 @joint_options
-@click.option(
-    "-V",
-    "--shear",
-    type=QuantityType(FORCE),
-    default=0.0,
-    help="Shear force to carry, N.",
-    cls=Grouped,
-    group=LOAD,
+@grouped(
+    LOAD, "-V", "--shear", type=QuantityType(FORCE), default=0.0, help="Shear force to carry, N."
 )
-@click.option(
-    "-M",
-    "--torque",
-    type=QuantityType(TORQUE),
-    default=0.0,
-    help="Torque to carry, N m.",
-    cls=Grouped,
-    group=LOAD,
+@grouped(
+    LOAD, "-M", "--torque", type=QuantityType(TORQUE), default=0.0, help="Torque to carry, N m."
 )
-@click.option(
+@grouped(
+    LOAD,
     "-e",
     "--eccentricity",
     "ratio",
     type=QuantityType(Number()),
     help="e / a of V, instead of -M.",
-    cls=Grouped,
-    group=LOAD,
 )
 @click.option(
     "--vary",

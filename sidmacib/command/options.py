@@ -22,6 +22,11 @@ class Grouped(click.Option):
         self.group = group
 
 
+def grouped(group: str, *names: Any, **more: Any) -> Callable[..., Any]:
+    """An option as of `click.option`, under one of the `GROUPS`."""
+    return click.option(*names, cls=Grouped, group=group, **more)
+
+
 class GroupedCommand(click.Command):
     """A command whose help has its options under their headings."""
 
@@ -67,23 +72,21 @@ def _keep_units(ctx: click.Context, param: click.Parameter, value: str | None) -
         raise click.UsageError(f"--units: {error}", ctx) from None
 
 
-units_option = click.option(
+units_option = grouped(
+    OUTPUT,
     "--units",
     callback=_keep_units,
     expose_value=False,
     help="Units of the columns of the printed answer, such as kN,kNm,mm; SI units without it.",
-    cls=Grouped,
-    group=OUTPUT,
 )
-_format_alone = click.option(
+_format_alone = grouped(
+    OUTPUT,
     "--format",
     "form",
     type=click.Choice(FORMATS),
     default="table",
     show_default=True,
     help="Format of the printed answer; json and csv have all digits.",
-    cls=Grouped,
-    group=OUTPUT,
 )
 
 
@@ -92,17 +95,12 @@ def format_option(command: Callable[..., Any]) -> Callable[..., Any]:
     return _format_alone(units_option(command))
 
 
-picture_option = click.option(
-    "--picture",
-    type=WRITTEN,
-    help="Draw the answer into this file: .png, .svg or .pdf.",
-    cls=Grouped,
-    group=OUTPUT,
+picture_option = grouped(
+    OUTPUT, "--picture", type=WRITTEN, help="Draw the answer into this file: .png, .svg or .pdf."
 )
-note_option = click.option(
+note_option = grouped(
+    OUTPUT,
     "--note",
     type=WRITTEN,
     help="Write a calculation note into this file: .html, to be printed or sent.",
-    cls=Grouped,
-    group=OUTPUT,
 )
