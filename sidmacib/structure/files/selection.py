@@ -5,7 +5,9 @@ that it has must hold.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -14,7 +16,7 @@ from pydantic import BeforeValidator, model_validator
 from sidmacib.quantities import Number, shown
 from sidmacib.reading import Keys, Way
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.interfaces import Interface
+from sidmacib.structure.interfaces import Interface, interfaces
 
 Pair = frozenset[str]  # names of two blocks
 
@@ -75,15 +77,17 @@ def two_blocks(value: Any) -> tuple[str, str]:
 Between = Annotated[Literal["all"] | tuple[str, str] | Rule, BeforeValidator(_between)]
 
 
+@dataclass
 class Selection:
-    """The pairs of ``blocks`` that touch, for rules to choose from.
+    """The pairs of ``blocks`` that touch, for rules to choose from; ``near``: of `interfaces`."""
 
-    ``found``: their interfaces, which are looked for when a rule needs them first.
-    """
+    blocks: list[Block]
+    near: float
 
-    def __init__(self, blocks: Sequence[Block], find: Callable[[], tuple[Interface, ...]]) -> None:
-        self.blocks, self._find = blocks, find
-        self.found: tuple[Interface, ...] | None = None
+    @cached_property
+    def found(self) -> tuple[Interface, ...]:
+        """The interfaces of the blocks."""
+        return interfaces(self.blocks, self.near)
 
     def pairs(self, key: str, between: "str | tuple[str, str] | Rule") -> list[Pair]:
         """The pairs that a file's ``between`` stands for: two names, all, or a rule.
@@ -96,8 +100,6 @@ class Selection:
 
     def _normals(self) -> dict[Pair, list[np.ndarray]]:
         """The normals of each pair's interfaces, in the order of the interfaces."""
-        if self.found is None:
-            self.found = self._find()
         normals: dict[Pair, list[np.ndarray]] = {}
         for each in self.found:
             pair = frozenset((self.blocks[each.below].name, self.blocks[each.above].name))

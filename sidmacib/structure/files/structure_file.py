@@ -22,7 +22,7 @@ from sidmacib.structure.files.sections import (
     StructureFile,
 )
 from sidmacib.structure.files.selection import Pair, Selection
-from sidmacib.structure.interfaces import NEAR, Interface, interfaces, touching
+from sidmacib.structure.interfaces import NEAR, Interface, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import rows_of, structure
@@ -95,9 +95,8 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     if given.load is None:
         words = "; load_cases are for multilock assembly and studies" if given.load_cases else ""
         raise ValueError(f"load: missing; this key is required{words}")
-    assembly = assembly_of(given, folder)
-    beside = permanent_on(assembly, given.permanent, given.tolerance)
-    return Problem(assembly, given.load.on(assembly, beside))
+    (demand,) = demands_of(given, folder)
+    return demand.problem
 
 
 @dataclass(frozen=True)
@@ -120,18 +119,15 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
     Arguments and errors as of `structure_of`, but for a load that is missing.
     """
     given = StructureFile.read(description)
-    if given.load is None and given.load_cases is None:
-        assembly = assembly_of(given, folder)
-        beside = permanent_on(assembly, given.permanent, given.tolerance)
-        return (Demand(Problem(assembly, permanent_only(assembly, beside)), raises=False),)
-    if given.load_cases is None:
-        problem = structure_of(given, folder)
-        amount = given.load.amount(problem.assembly) if given.load else None
-        return (Demand(problem, amount),)
-    if given.load is not None:
+    if given.load is not None and given.load_cases is not None:
         raise ValueError("load_cases: must not be given beside load")
     assembly, found = assembly_of(given, folder), []
     always = permanent_on(assembly, given.permanent, given.tolerance)
+    if given.load is not None:
+        problem = Problem(assembly, given.load.on(assembly, always))
+        return (Demand(problem, given.load.amount(assembly)),)
+    if given.load_cases is None:
+        return (Demand(Problem(assembly, permanent_only(assembly, always)), raises=False),)
     for name, case in given.load_cases.items():
         key = f"load_cases.{name}"
         own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent")
@@ -163,34 +159,35 @@ def blocks_and_rows(
     Arguments as of `structure_of`, but without a load. ValueError that names the key.
     """
     given = StructureFile.read(description)
-    blocks = [b for name, each in given.blocks.items() for b in each.blocks(name, folder)]
-    chosen = Selection(blocks, lambda: interfaces(blocks, given.tolerance))
-    locked = _locked(given.locks, chosen)
-    found = interfaces(blocks, given.tolerance) if chosen.found is None else chosen.found
-    return blocks, rows_of(blocks, locked, found), given.tolerance
+    _, chosen = _blocks(given, folder)
+    rows = rows_of(chosen.blocks, _locked(given.locks, chosen), chosen.found)
+    return chosen.blocks, rows, given.tolerance
 
 
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
     """The structure of a ``description``; arguments and errors of `structure_of`."""
     given = StructureFile.read(description)
-    made = [each.blocks(name, folder) for name, each in given.blocks.items()]
-    blocks = [block for each in made for block in each]
-    chosen = Selection(blocks, lambda: interfaces(blocks, given.tolerance))
+    made, chosen = _blocks(given, folder)
     if given.interfaces.from_file:
         chosen.found = _of_files(given, folder, made)
     material = given.interfaces.material
     special = _special(given.special, material, chosen)
-    locked = _locked(given.locks, chosen)
     return structure(
-        blocks,
+        chosen.blocks,
         material,
         special,
-        locked,
+        _locked(given.locks, chosen),
         mesh=given.mesh or math.inf,
         nodes=given.nodes,
         near=given.tolerance,
         regions=chosen.found,
     )
+
+
+def _blocks(given: StructureFile, folder: Path) -> tuple[list[list[Block]], Selection]:
+    """The blocks of each entry, and all for rules to choose from."""
+    made = [each.blocks(name, folder) for name, each in given.blocks.items()]
+    return made, Selection([block for each in made for block in each], given.tolerance)
 
 
 def _of_files(
