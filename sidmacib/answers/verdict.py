@@ -5,6 +5,7 @@ does, which may overestimate, and the words say so. Both models may be asked her
 asked by a study.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -81,9 +82,9 @@ def verdict(
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
     if not isinstance(static, CapacityError):
         return _by_static(newtons, static, most)
-    falls = next((e for e in (static, limit) if _falls(e)), None)
-    if falls is not None:
-        return Verdict(newtons, False, _plain(str(falls)), limit=most)
+    for error in (static, limit):
+        if isinstance(error, NoEquilibriumError | InfeasibleError):
+            return Verdict(newtons, False, lower_first(str(error)), limit=most)
     if isinstance(limit, UnboundedError):
         words = f"{_carries(newtons, passes=True)} and any multiple of it"
         return Verdict(
@@ -130,18 +131,13 @@ def governing(verdicts: Sequence[Verdict]) -> int:
 
     def key(number: int) -> tuple[bool, float]:
         each = verdicts[number]
-        return each.passes, -1.0 if each.factor is None and not each.passes else _size(each)
+        if each.factor is None:
+            return each.passes, math.inf if each.passes else -1.0
+        return each.passes, each.factor
 
     return min(range(len(verdicts)), key=key)
 
 
-def _size(of: Verdict) -> float:
-    return float("inf") if of.factor is None else of.factor
-
-
-def _falls(error: object) -> bool:
-    return isinstance(error, NoEquilibriumError | InfeasibleError)
-
-
-def _plain(words: str) -> str:
+def lower_first(words: str) -> str:
+    """``words`` that go on in a sentence."""
     return words[:1].lower() + words[1:]

@@ -25,7 +25,7 @@ from sidmacib.structure.crossing import grouped
 from sidmacib.structure.cutting import Plane, cut
 from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
 from sidmacib.structure.interfaces import NEAR, interfaces, mean_size
-from sidmacib.structure.locks import LockPart, Locks, Row, cut_off
+from sidmacib.structure.locks import LockPart, Locks, Row, cut_rows
 from sidmacib.structure.overlaps import common_volume, solid_of
 from sidmacib.structure.structure import Pair, rows_of
 from sidmacib.validation import refused
@@ -98,28 +98,24 @@ def solids(
     of, or that cut a block into several, and for solids that overlap.
     """
     gaps, near = clearance or Clearance(), near * mean_size(blocks)
-    left = {block.name: [block] for block in blocks}
+    left, parts = cut_rows(blocks, rows.values())
     locks: dict[str, list[Floats]] = {block.name: [] for block in blocks}
     growth = {block.name: GROWN * block.size for block in blocks}
-    for row in rows.values():
+    for row, (in_below, in_above) in zip(rows.values(), parts, strict=True):
         below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
         second = above if row.locks.first == below else below
         owners = str(row.locks.first), second
-        cuts = {}
-        for name, side in ((below, -1.0), (above, 1.0)):
-            left[name], cuts[side] = cut_off(row, left[name], side)
-            if not left[name]:
-                raise refused(f"{name}: height of locks", row.locks.height, "less than the block's")
         heights = [
             np.abs((part.solid.places - row.middle) @ row.interface.axes[0])
-            for part in (*cuts[-1.0], *cuts[1.0])
+            for part in (*in_below, *in_above)
         ]
         gap = max((float(h[h <= near].max(initial=0.0)) for h in heights), default=0.0)
         reach = 2.0 * (gap + max(growth[below], growth[above]))
-        for side, name in ((-1.0, below), (1.0, above)):
-            for part in cuts[side]:
+        sides = ((-1.0, below, in_below, in_above), (1.0, above, in_above, in_below))
+        for side, name, own_parts, others in sides:
+            for part in own_parts:
                 owner = owners[part.number % 2]
-                facing = [each for each in cuts[-side] if each.number == part.number]
+                facing = [each for each in others if each.number == part.number]
                 ends = _ends(row, part, facing, gaps, side, own=owner == name)
                 lock = _behind(part.solid, ends)
                 if lock is None:

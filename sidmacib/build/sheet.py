@@ -4,7 +4,7 @@ All is drawn to a scale in one pair of axes, whose unit is a mm of paper.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path as Outline
+from matplotlib.transforms import Bbox
 
 from sidmacib.build import Kind
 from sidmacib.build.files import UNITS, label
@@ -53,29 +54,9 @@ class Placed:
         return np.asarray((points - low) * self.scale + self.corner)
 
 
-@dataclass(frozen=True)
-class Region:
-    """A part of the paper, in mm."""
-
-    left: float
-    low: float
-    right: float
-    top: float
-
-    @property
-    def wide(self) -> float:
-        """Its width in mm."""
-        return max(self.right - self.left, 1.0)
-
-    @property
-    def high(self) -> float:
-        """Its height in mm."""
-        return max(self.top - self.low, 1.0)
-
-    @property
-    def area(self) -> float:
-        """In mm2."""
-        return self.wide * self.high
+def region(left: float, low: float, right: float, top: float) -> Bbox:
+    """A part of the paper, in mm, of at least 1 mm."""
+    return Bbox.from_extents(left, low, max(right, left + 1.0), max(top, low + 1.0))
 
 
 def draw_sheet(kind: Kind, rows: Mapping[Pair, Row], count: int, unit: str, note: str) -> Figure:
@@ -108,14 +89,14 @@ def draw_sheet(kind: Kind, rows: Mapping[Pair, Row], count: int, unit: str, note
         ends = (each.corner[1] - 1.5, top + 3)
         axes.plot((x, x), ends, color=VERMILION, lw=0.8, ls=(0, (12, 3, 2, 3)))
         axes.text(x + 1, ends[1], "A", color=VERMILION, fontsize=8, va="bottom")
-    above = Region(columns[2], levels[1], WIDTH - BORDER - 4, HEIGHT - BORDER - 8)
+    above = region(columns[2], levels[1], WIDTH - BORDER - 4, HEIGHT - BORDER - 8)
     beside = columns[1] + size[0] * scale + ROOM
-    below = Region(beside, levels[0] - 12, WIDTH - BORDER - 4, levels[1] - ROOM + 6)
-    least, most = sorted((above, below), key=lambda region: region.area)
+    below = region(beside, levels[0] - 12, WIDTH - BORDER - 4, levels[1] - ROOM + 6)
+    least, most = sorted((above, below), key=lambda each: each.width * each.height)
     found = details(kind.solids[0], rows)
-    if found and least.high < 45.0:
-        least = replace(most, top=most.low + 0.4 * most.high)
-        most = replace(most, low=least.top + 4.0)
+    if found and least.height < 45.0:
+        least = region(most.x0, most.y0, most.x1, most.y0 + 0.4 * most.height)
+        most = region(most.x0, least.y1 + 4.0, most.x1, most.y1)
     _tilted(axes, view(solid, TILTED), most)
     _details(axes, found, least, unit)
     _words(axes, kind, count, unit, ratio, note)
@@ -213,27 +194,27 @@ def spelled(number: float) -> str:
     return f"{number:.2f}".rstrip("0").rstrip(".") if number >= 10 else f"{number:.4g}"
 
 
-def _tilted(axes: Axes, seen: View, region: Region) -> None:
+def _tilted(axes: Axes, seen: View, room: Bbox) -> None:
     """A view from a corner, not to scale."""
     extent = np.ptp(seen.visible.reshape(-1, 2), axis=0)
-    scale = min(region.wide / extent[0], (region.high - 6) / extent[1])
-    shown = Placed("from a corner, not to scale", seen, (region.left, region.low), scale)
-    _draw(axes, Placed(shown.title, View(seen.visible, seen.hidden[:0]), shown.corner, scale))
+    scale = min(room.width / extent[0], (room.height - 6) / extent[1])
+    shown = View(seen.visible, seen.hidden[:0])
+    _draw(axes, Placed("from a corner, not to scale", shown, (room.x0, room.y0), scale))
 
 
-def _details(axes: Axes, found: Sequence[Detail], region: Region, unit: str) -> None:
+def _details(axes: Axes, found: Sequence[Detail], room: Bbox, unit: str) -> None:
     """Profiles of locks, as large as there is room for."""
     if not found:
         return
     shown = found[:MOST_DETAILS]
     parts = len(shown)
-    beside = region.wide > 1.5 * region.high
-    wide, high = region.wide / (parts if beside else 1), region.high / (1 if beside else parts)
+    beside = room.width > 1.5 * room.height
+    wide, high = room.width / (parts if beside else 1), room.height / (1 if beside else parts)
     for number, each in enumerate(shown):
         size = np.ptp(np.concatenate(each.outlines), axis=0)
         scale = min((wide - 20) / size[0], (high - 22) / size[1])
-        left = region.left + (number * wide if beside else 0.0)
-        low = region.top - high * (1 if beside else number + 1) + 10
+        left = room.x0 + (number * wide if beside else 0.0)
+        low = room.y1 - high * (1 if beside else number + 1) + 10
         lines = [np.stack([o, np.roll(o, -1, axis=0)], axis=1) for o in each.outlines]
         seen = View(np.concatenate(lines), np.zeros((0, 2, 2)), each.outlines)
         placed = Placed(each.title, seen, (left, low), scale)
@@ -244,7 +225,7 @@ def _details(axes: Axes, found: Sequence[Detail], region: Region, unit: str) -> 
         _chain(axes, placed, 1, each.heights, float(ends[0, 0]) + 7, unit)
     if more := len(found) - len(shown):
         words = f"and {more} more joints with locks: see the files of the solid"
-        axes.text(region.left, region.low, words, fontsize=6.5, style="italic")
+        axes.text(room.x0, room.y0, words, fontsize=6.5, style="italic")
 
 
 def _words(axes: Axes, kind: Kind, count: int, unit: str, ratio: float, note: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from sidmacib.command.joints import QuantityType, flag_of, joint_of, joint_options
+from sidmacib.command.joints import flag_of, joint_of, joint_options, quantity
 from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option, note_option
 from sidmacib.command.output import (
     refused_in_one_line,
@@ -178,13 +178,13 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
 )
 @click.option(
     "--clearance",
-    type=QuantityType(GAP),
+    type=quantity(GAP),
     default=0.0,
     help="Gap at flanks and ends of locks, m, such as 0.5mm.  [default: 0]",
 )
 @click.option(
     "--head-clearance",
-    type=QuantityType(GAP),
+    type=quantity(GAP),
     default=0.0,
     help="Gap at the heads of locks, m.  [default: 0: the joint bears there]",
 )

@@ -8,11 +8,11 @@ from typing import Any
 import click
 
 from sidmacib.command.options import GEOMETRY, LOAD, MATERIAL, OUTPUT, grouped
-from sidmacib.joint import Direction, HoldDown, Joint
+from sidmacib.joint import HoldDown, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.quantities import Number, shown
+from sidmacib.quantities import Number, number_in, shown
 
 DEFAULT = Joint(5)
 # Further names of flags: -h is a height here, while other programs take it for help.
@@ -22,53 +22,44 @@ SLENDER = 100  # largest size over the shorter side of a lock: the models' cells
 LOCKS = Number(at_least=1, at_most=300, whole=True)  # the static model of more takes minutes
 
 
-class EccentricityType(click.ParamType[float]):
-    """e / a, or torsion."""
+class Reading(click.ParamType[Any]):
+    """What a function reads, whose ValueError says what is allowed; ``name``: of its kind."""
 
-    name = "e/a"
+    def __init__(self, name: str, read: Callable[[Any], Any]) -> None:
+        self.name, self.read = name, read
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> float:
-        """The ratio; infinite for torsion."""
-        if value == "torsion":
-            return math.inf
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """What is read; `click.UsageError` that begins with the flag."""
         try:
-            return Direction(float(value)).eccentricity
-        except (TypeError, ValueError):
-            return float(
-                self.fail(f"{value!r} is neither a number (e / a) nor torsion", param, ctx)
-            )
-
-
-class HoldDownType(click.ParamType[HoldDown]):
-    """Hold-down of the joint."""
-
-    name = "hold-down"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> HoldDown:
-        """plate, weight, force:N or pressure:Pa."""
-        kind, colon, amount = str(value).partition(":")
-        try:
-            return HoldDown.read({kind: amount} if colon else value)
-        except ValueError:
-            allowed = "plate, weight, force:2000 (N) or pressure:2e4 (Pa)"
-            return HoldDown(self.fail(f"{value!r} is not one of {allowed}", param, ctx))
-
-
-class QuantityType(click.ParamType[float]):
-    """A number of a range, in SI units, or with a unit such as 80mm."""
-
-    name = "float"
-
-    def __init__(self, number: Number) -> None:
-        self.number = number
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> float:
-        """The number, in the unit of plain numbers."""
-        try:
-            return self.number.read(value)
+            return self.read(value)
         except ValueError as error:
-            name = param.opts[0] if param is not None else ""
-            raise click.UsageError(f"{name}: {error}", ctx) from None
+            raise click.UsageError(f"{param.opts[0]}: {error}", ctx) from None
+
+
+def quantity(number: Number) -> Reading:
+    """A number of a range, in SI units, or with a unit such as 80mm."""
+    return Reading("float", number.read)
+
+
+def ratio_in(value: Any) -> float:
+    """A ratio e / a; infinite for torsion."""
+    number = math.inf if value == "torsion" else number_in(str(value))
+    if number is None:
+        raise ValueError(f"{shown(value)} is neither a number (e / a) nor torsion")
+    return float(number)
+
+
+def hold_down_in(value: Any) -> HoldDown:
+    """The hold-down that is spelled: plate, weight, force:N or pressure:Pa."""
+    kind, colon, amount = str(value).partition(":")
+    try:
+        return HoldDown.read({kind: amount} if colon else value)
+    except ValueError:
+        allowed = "plate, weight, force:2000 (N) or pressure:2e4 (Pa)"
+        raise ValueError(f"{shown(value)} is not one of {allowed}") from None
+
+
+RATIO = Reading("e/a", ratio_in)
 
 
 def flag_of(name: str) -> str:
@@ -81,9 +72,9 @@ def _option(parameter: Parameter) -> Callable[..., Any]:
     names = ["-n"] if parameter.name == "locks" else []
     names += [flag_of(parameter.name), *LONG.get(parameter.name, ()), parameter.name]
     words, default = parameter.words, parameter.of(DEFAULT)
-    kind: Any = HoldDownType()
+    kind: Any = Reading("hold-down", hold_down_in)
     if parameter.number:
-        kind = int if parameter.number.whole else QuantityType(parameter.number)
+        kind = int if parameter.number.whole else quantity(parameter.number)
         words += f", {parameter.number.unit}" if parameter.number.unit else ""
         default = {"young": "rigid pieces", "poisson": Elastic.poisson}.get(parameter.name, default)
     elif parameter.choices:
@@ -126,14 +117,14 @@ def reliability_options(command: Callable[..., Any]) -> Callable[..., Any]:
     scatter = click.option(
         "--scatter",
         "variation",
-        type=QuantityType(Number(above=0, at_most=1)),
+        type=quantity(Number(above=0, at_most=1)),
         help="Coefficient of variation of the locks' strengths, such as 0.2; cohesion and tensile "
         "strength are then means.  [default: strengths are design values]",
     )
     factor = click.option(
         "--gamma-m",
         "factor",
-        type=QuantityType(Number(at_least=1, at_most=10)),
+        type=quantity(Number(at_least=1, at_most=10)),
         help="Partial factor for the design resistance. Without --scatter, strengths are "
         "characteristic values.",
     )

@@ -8,10 +8,10 @@ import click
 
 from sidmacib.command.blocks import assembly, build, design
 from sidmacib.command.joints import (
-    EccentricityType,
-    QuantityType,
+    RATIO,
     joint_of,
     joint_options,
+    quantity,
     reliability_options,
 )
 from sidmacib.command.options import LOAD, Once, format_option, grouped, note_option, picture_option
@@ -40,7 +40,7 @@ _ratio = grouped(
     "-e",
     "--eccentricity",
     "ratio",
-    type=EccentricityType(),
+    type=RATIO,
     default=0.0,
     help="e / a, or torsion.  [default: 0, pure shear]",
 )
@@ -96,7 +96,7 @@ def main() -> None:
     "--eccentricity",
     "ratios",
     multiple=True,
-    type=EccentricityType(),
+    type=RATIO,
     default=(0.0,),
     help="e / a, or torsion; may be repeated.  [default: 0, pure shear]",
 )
@@ -235,18 +235,14 @@ def law(form: str, push: str, **flags: Any) -> None:
 
 @main.command("joint")
 @joint_options
-@grouped(
-    LOAD, "-V", "--shear", type=QuantityType(FORCE), default=0.0, help="Shear force to carry, N."
-)
-@grouped(
-    LOAD, "-M", "--torque", type=QuantityType(TORQUE), default=0.0, help="Torque to carry, N m."
-)
+@grouped(LOAD, "-V", "--shear", type=quantity(FORCE), default=0.0, help="Shear force to carry, N.")
+@grouped(LOAD, "-M", "--torque", type=quantity(TORQUE), default=0.0, help="Torque to carry, N m.")
 @grouped(
     LOAD,
     "-e",
     "--eccentricity",
     "ratio",
-    type=QuantityType(Number()),
+    type=quantity(Number()),
     help="e / a of V, instead of -M.",
 )
 @click.option(

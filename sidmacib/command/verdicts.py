@@ -7,7 +7,7 @@ import click
 
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.answers.structure_reserve import Reserve, reserve
-from sidmacib.answers.verdict import Verdict, governing, on_all, verdict
+from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all, verdict
 from sidmacib.command.answers import Row
 from sidmacib.command.structures import Tell, limit_of, static_of, structure_rows, telling
 from sidmacib.errors import CapacityError, InfeasibleError
@@ -74,7 +74,7 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         found = reserve(problem, telling(problem))
     except CapacityError as error:
         words, falls = str(error), isinstance(error, InfeasibleError)
-        said = f"{'No' if falls else 'No answer'}: {_lower(words)}"
+        said = f"{'No' if falls else 'No answer'}: {lower_first(words)}"
         return [_reserve_row("limit", "stands", None, words)], said, False
     rows = [
         _reserve_row(
@@ -94,7 +94,7 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         rows.append(_reserve_row("limit", what, push.acceleration, note))
     rows.append(_reserve_row("static", "stands", None, found.static or "in equilibrium"))
     if found.falls:
-        return rows, f"No: {_lower(found.static)} in the static model", False
+        return rows, f"No: {lower_first(found.static)} in the static model", False
     return rows, f"Yes: {_stands(found)}", True
 
 
@@ -125,10 +125,6 @@ def _stands(found: Reserve) -> str:
 
 def _way(push: Push) -> str:
     return f"({', '.join(f'{each:.3g}' for each in push.direction[:2])})"
-
-
-def _lower(words: str) -> str:
-    return words[:1].lower() + words[1:]
 
 
 def chosen_case(demands: Sequence[Demand], name: str) -> Demand:

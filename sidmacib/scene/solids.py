@@ -11,9 +11,9 @@ import shapely
 
 from sidmacib.build import Solid, solids
 from sidmacib.build.views import edge_vertices
-from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats, Integers, Kind, Piece
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.blocks import normal_of, solids_of
+from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.files.structure_file import blocks_and_rows
 from sidmacib.structure.interfaces import tangents, triangles
 
@@ -38,9 +38,7 @@ def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
                 "name": piece.name,
                 "fixed": piece.fixed,
                 "with": owners[number],
-                **(
-                    _made(by_name[piece.name]) if piece.name in by_name else _solid(outlines(piece))
-                ),
+                **(_made(by_name[piece.name]) if piece.name in by_name else _solid(piece)),
             }
             for number, piece in enumerate(assembly.pieces)
         ],
@@ -71,11 +69,6 @@ def owners_of(assembly: Assembly) -> list[int]:
             ):
                 owners[lock] = block
     return owners
-
-
-def outlines(piece: Piece) -> list[Floats]:
-    """The faces of a piece, (K, 3) in m each."""
-    return [outline for solid in solids_of(piece) for outline in solid.outlines]
 
 
 def points_of(shape: dict[str, Any]) -> int:
@@ -110,18 +103,18 @@ def _made(solid: Solid) -> dict[str, Any]:
     }
 
 
-def _solid(faces: Sequence[Floats]) -> dict[str, Any]:
-    """The faces of a block, each the corners (m) of an outline, (K, 3)."""
-    corners = np.concatenate(faces)
-    points, index = _merged(corners)
-    filled, edges, first = [], [], 0
-    for face in faces:
-        own = index[first : first + len(face)].tolist()
-        first += len(face)
-        flat = face @ np.array(tangents(normal_of(face))).T
-        filled += [[own[k] for k in each] for each in triangles(shapely.Polygon(flat), flat)]
-        edges.append(own)
-    return {"points": [_rounded(p) for p in points], "triangles": filled, "edges": edges}
+def _solid(piece: Piece) -> dict[str, Any]:
+    """The faces of the solids of a piece."""
+    points: list[list[float]] = []
+    filled, edges = [], []
+    for solid in solids_of(piece):
+        for face, corners, normal in zip(solid.faces, solid.outlines, solid.normals, strict=True):
+            own = [len(points) + vertex for vertex in face]
+            flat = corners @ np.array(tangents(normal)).T
+            filled += [[own[k] for k in each] for each in triangles(shapely.Polygon(flat), flat)]
+            edges.append(own)
+        points += map(_rounded, solid.places)
+    return {"points": points, "triangles": filled, "edges": edges}
 
 
 def _region(face: Polygon) -> dict[str, Any]:
@@ -137,15 +130,6 @@ def _region(face: Polygon) -> dict[str, Any]:
         "triangles": [*triangles(face.outline, flat)],
         "edges": [[*range(one, other)] for one, other in pairwise(ends)],
     }
-
-
-def _merged(corners: Floats) -> tuple[Floats, Integers]:
-    """Points without those that stand twice, (N, 3), and the number of each of ``corners``."""
-    size = float(np.ptp(corners, axis=0).max())
-    _, first, index = np.unique(
-        np.round(corners / (CLOSE * size)), axis=0, return_index=True, return_inverse=True
-    )
-    return corners[first], index.ravel()
 
 
 def _rounded(values: Floats) -> list[float]:

@@ -6,6 +6,7 @@ bonded inner face, and the other block and its neighbours across dry faces.
 """
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate
 
@@ -183,19 +184,25 @@ def cut_off(row: Row, solids: list[Block], side: float) -> tuple[list[Block], li
     return left, parts
 
 
-def cut_out(
-    row: Row, below: list[Block], above: list[Block]
-) -> tuple[list[Block], list[Block], list[list[Block]]]:
-    """The remaining solids of the two blocks, and the solids of each lock.
+def cut_rows(
+    blocks: Sequence[Block], rows: Iterable[Row]
+) -> tuple[dict[str, list[Block]], list[tuple[list[LockPart], list[LockPart]]]]:
+    """What the locks of ``rows`` leave of each of ``blocks``, by name, and their parts.
 
-    ValueError unless both blocks are convex, and the locks lower than the blocks.
+    The parts of each row's locks in the block below, and in that above. ValueError unless both
+    blocks are convex, and the locks lower than the blocks.
     """
-    below, in_below = cut_off(row, below, -1.0)
-    above, in_above = cut_off(row, above, 1.0)
-    locks: list[list[Block]] = [[] for _ in range(row.locks.count)]
-    for part in (*in_below, *in_above):
-        locks[part.number].append(part.solid)
-    return below, above, locks
+    left, found = {block.name: [block] for block in blocks}, []
+    for row in rows:
+        parts: list[list[LockPart]] = []
+        for end, side in ((row.interface.below, -1.0), (row.interface.above, 1.0)):
+            name = blocks[end].name
+            left[name], of_side = cut_off(row, left[name], side)
+            if not left[name]:
+                raise refused(f"{name}: height of locks", row.locks.height, "less than the block's")
+            parts.append(of_side)
+        found.append((parts[0], parts[1]))
+    return left, found
 
 
 def condensed_points(row: Row, condensed: Condensed) -> tuple[Floats, Floats]:

@@ -27,7 +27,7 @@ from sidmacib.structure.interfaces import (
     mean_size,
     touching,
 )
-from sidmacib.structure.locks import ALL, Condensed, Locks, Row, condensed_points, cut_out
+from sidmacib.structure.locks import ALL, Condensed, Locks, Row, condensed_points, cut_rows
 from sidmacib.structure.rule_limits import rule_limits
 from sidmacib.validation import refused
 
@@ -181,30 +181,24 @@ class _Parts:
     @classmethod
     def of(cls, blocks: Sequence[Block], rows: Mapping[Pair, Row]) -> "_Parts":
         """``blocks`` with the locks of ``rows`` that are not condensed cut out."""
-        left = {block.name: [block] for block in blocks}
-        by_name = {block.name: block for block in blocks}
+        cut = {pair: row for pair, row in rows.items() if not row.locks.condensed}
+        left, parts = cut_rows(blocks, cut.values())
+        density = {block.name: block.density for block in blocks}
         locks: list[tuple[str, list[Block], str, Pair]] = []
-        for pair, row in rows.items():
-            if row.locks.condensed:
-                continue
+        for (pair, row), (in_below, in_above) in zip(cut.items(), parts, strict=True):
             below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
-            left[below], left[above], cut = cut_out(row, left[below], left[above])
-            for number, solids in enumerate(cut):
+            for number in range(row.locks.count):
                 other = above if row.locks.first == below else below
                 owner = str(row.locks.first if number % 2 == 0 else other)
                 name = f"{below}-{above}-lock{number + 1}"
-                if not solids:
-                    raise ValueError(f"{name}: has no part of the blocks; use fewer locks")
                 own = [
-                    replace(solid, name=name, density=by_name[owner].density, fixed=False)
-                    for solid in solids
+                    replace(part.solid, name=name, density=density[owner], fixed=False)
+                    for part in (*in_below, *in_above)
+                    if part.number == number
                 ]
+                if not own:
+                    raise ValueError(f"{name}: has no part of the blocks; use fewer locks")
                 locks.append((name, own, owner, pair))
-            for name in (below, above):
-                if not left[name]:
-                    raise refused(
-                        f"{name}: height of locks", row.locks.height, "less than the block's"
-                    )
         every = [(name, solids, name, None) for name, solids in left.items()] + locks
         pieces = tuple(
             solids[0] if len(solids) == 1 else Compound(name, tuple(solids), solids[0].fixed)
