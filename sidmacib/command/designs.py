@@ -6,9 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sidmacib.command.answers import Row
-from sidmacib.design import Layout
 from sidmacib.design.designed import Design
-from sidmacib.mechanics.polygons import Polygon
 
 
 def verdict(design: Design) -> str:
@@ -59,32 +57,26 @@ def cost_rows(design: Design) -> list[Row]:
 
 def lock_rows(design: Design) -> list[Row]:
     """The locks of each interface that gets any."""
-    return [
-        _lock_row(design, number, row)
-        for number, row in enumerate(design.choice)
-        if row is not None
-    ]
-
-
-def _lock_row(design: Design, number: int, row: Layout) -> Row:
-    structure = design.task.structure
-    face = structure.assembly.faces[structure.sites[number].face]
-    assert isinstance(face, Polygon)
-    use = [abs(float(each.across[number])) / row.strength for each in design.needed]
-    worst = design.needed[int(np.argmax(use))]
-    return {
-        "interface": face.name,
-        "locks": len(row.widths),
-        "working": row.working,
-        "width (m)": row.width,
-        "run": " ".join(f"{each:.3g}" for each in row.run),
-        "strength (N)": row.strength,
-        "utilisation": max(use),
-        "case": worst.case,
-        "load factor gained by +1 % strength": max(
-            float(state.by_strength[number]) * row.strength / 100.0 for state in design.states
-        ),
-    }
+    structure, rows = design.task.structure, []
+    for number, layout in enumerate(design.choice):
+        if layout is None:
+            continue
+        use = [abs(float(each.across[number])) / layout.strength for each in design.needed]
+        gained = max(float(state.by_strength[number]) for state in design.states)
+        rows.append(
+            {
+                "interface": structure.assembly.faces[structure.sites[number].face].name,
+                "locks": len(layout.widths),
+                "working": layout.working,
+                "width (m)": layout.width,
+                "run": " ".join(f"{each:.3g}" for each in layout.run),
+                "strength (N)": layout.strength,
+                "utilisation": max(use),
+                "case": design.needed[int(np.argmax(use))].case,
+                "load factor gained by +1 % strength": gained * layout.strength / 100.0,
+            }
+        )
+    return rows
 
 
 def check_rows(design: Design) -> list[Row]:

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Protocol, TypeVar
+from dataclasses import dataclass
+from typing import TypeVar
 
 import manifold3d
 import numpy as np
@@ -16,27 +17,18 @@ MOST_SHARED = 0.5  # of a block's volume, as no tolerance is above half of the t
 PARALLEL = 1e-6  # least length of the cross product of two unit vectors that gives a direction
 
 
-class Convex(Protocol):
-    """What the search for overlaps sees of a convex block; see `Block`."""
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A convex solid of a ``piece`` where the piece is placed; see `Block`."""
 
-    @property
-    def places(self) -> Floats:
-        """Vertices in m, (V, 3)."""
-
-    @property
-    def normals(self) -> Floats:
-        """Unit normals of the faces, (F, 3)."""
-
-    @property
-    def outlines(self) -> Sequence[Floats]:
-        """Vertices of each face, (K, 3) each."""
-
-    @property
-    def fixed(self) -> bool:
-        """Whether it cannot move."""
+    piece: int
+    fixed: bool
+    places: Floats
+    normals: Floats
+    outlines: tuple[Floats, ...]
 
 
-_Convex = TypeVar("_Convex", bound=Convex)
+Solid = TypeVar("Solid", Block, Placed)
 
 
 def require_apart(blocks: Sequence[Block], near: float, remedy: Callable[[float], str]) -> None:
@@ -111,7 +103,7 @@ def _surface(block: Block) -> float:
     return float(np.linalg.norm(around, axis=1).sum()) / 2
 
 
-def overlap(one: Convex, other: Convex, near: float = 0.0) -> float:
+def overlap(one: Solid, other: Solid, near: float = 0.0) -> float:
     """Depth (m) to which two convex blocks reach into each other; 0 or less if they do not.
 
     By separating axes: normals of faces and cross products of edges. The search ends at the first
@@ -127,7 +119,7 @@ def overlap(one: Convex, other: Convex, near: float = 0.0) -> float:
     return least
 
 
-def candidates(blocks: Sequence[_Convex], near: float) -> Iterator[tuple[_Convex, _Convex]]:
+def candidates(blocks: Sequence[Solid], near: float) -> Iterator[tuple[Solid, Solid]]:
     """Pairs of blocks, one of them free, whose boxes overlap."""
     low = np.array([block.places.min(axis=0) for block in blocks])
     high = np.array([block.places.max(axis=0) for block in blocks])
@@ -148,7 +140,7 @@ def candidates(blocks: Sequence[_Convex], near: float) -> Iterator[tuple[_Convex
                 yield blocks[number], blocks[other]
 
 
-def _axes(one: Convex, other: Convex) -> Iterator[Floats]:
+def _axes(one: Solid, other: Solid) -> Iterator[Floats]:
     yield from one.normals
     yield from other.normals
     across = np.cross(_edges(one)[:, None], _edges(other)[None]).reshape(-1, 3)
@@ -156,7 +148,7 @@ def _axes(one: Convex, other: Convex) -> Iterator[Floats]:
     yield from across[length > PARALLEL] / length[length > PARALLEL][:, None]
 
 
-def _edges(block: Convex) -> Floats:
+def _edges(block: Block | Placed) -> Floats:
     """Directions of the edges, each once, (E, 3)."""
     along = np.concatenate([np.roll(c, -1, axis=0) - c for c in block.outlines])
     along /= np.linalg.norm(along, axis=1, keepdims=True)

@@ -18,7 +18,7 @@ from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import solids_of
-from sidmacib.structure.overlaps import candidates, overlap
+from sidmacib.structure.overlaps import Placed, candidates, overlap
 
 SAME = 1e-6  # of the assembly's length: planes no further apart coincide
 OVER = 1e-3  # of it: how far a vertex may hang over the edge of a side that still carries it
@@ -206,17 +206,6 @@ def _side(end: int, piece: Piece, face: Polygon, axes: Floats, near: float) -> S
     return Side(end, middle + flat @ axes[1:], axes, middle, outline)
 
 
-@dataclass(frozen=True, eq=False)
-class _Placed:
-    """A convex solid of a piece where the piece is placed; see `sidmacib.structure.overlaps`."""
-
-    piece: int
-    fixed: bool
-    places: Floats
-    normals: Floats
-    outlines: tuple[Floats, ...]
-
-
 def meeting(assembly: Assembly, placed: Placement) -> tuple[str, str] | None:
     """Names of two pieces that did not touch when they were built, and now overlap.
 
@@ -224,7 +213,7 @@ def meeting(assembly: Assembly, placed: Placement) -> tuple[str, str] | None:
     """
     touching = {frozenset((face.below, face.above)) for face in assembly.faces}
     solids = [
-        _Placed(
+        Placed(
             number,
             piece.fixed,
             placed.at(number, solid.places),
