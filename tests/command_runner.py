@@ -1,6 +1,8 @@
 """The command as tests run it."""
 
 import json
+from pathlib import Path
+from typing import Any
 
 from click.testing import CliRunner, Result
 
@@ -15,3 +17,9 @@ def answers(*arguments: str) -> list[dict[str, object]]:
     found = run(*arguments, "--format", "json")
     assert found.exit_code == 0, found.output
     return list(json.loads(found.output))
+
+
+def by_model(path: Path, description: Any, *options: str) -> dict[str, dict[str, Any]]:
+    """What models answer for a structure as a file describes it; the file is written."""
+    path.write_text(json.dumps(description))
+    return {str(row["model"]): row for row in answers("assembly", str(path), *options)}

@@ -68,7 +68,10 @@ def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--scatter", "20"], "--scatter: '20' is not allowed; it must be greater than 0 and at most 1"),
+        (
+            ["--scatter", "20"],
+            "--scatter: '20' is not allowed; it must be greater than 0 and at most 1",
+        ),
         (["--scatter", "0"], "--scatter: '0' is not allowed"),
         (["--gamma-m", "0.8"], "--gamma-m: '0.8' is not allowed; it must be from 1 to 10"),
         (["--note", "n.html", "-e", "0", "-e", "1"], "--note: needs one direction"),
