@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 import shapely
 from scipy.spatial.transform import Rotation
-from structures import dry, moved
+from structures import BLOCK, GROUND, dry, moved
 
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.cutting import cut
 from sidmacib.structure.interfaces import common, interfaces
 from sidmacib.structure.structure import structure
 
-GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
-BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
 SEEDS = range(8)
 
 

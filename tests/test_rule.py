@@ -286,13 +286,6 @@ def test_more_pairs_never_carry_less_up_to_a_limit(count: int, lag: float, direc
     assert here.working <= more.working * (1 + 1e-12) <= here.most * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("lag", [1e-4, 1e-2, 0.1])
-def test_enough_pairs_give_the_share_that_was_asked_for(lag: float) -> None:
-    row = Pairs(1, lag)
-    count = round(row.enough(0.95))
-    assert Pairs(count, lag).working / row.most == pytest.approx(0.95, abs=0.02)
-
-
 def test_forces_fall_by_e_over_the_transfer_length() -> None:
     row = Pairs(1, 0.3)
     assert math.exp(-1.0 / row.transfer_length) == pytest.approx(math.exp(-row.decay))

@@ -203,13 +203,6 @@ def test_bad_geometry_is_refused_by_name(change: dict[str, object], words: str) 
         replace(BLOCK, **change)
 
 
-def test_a_block_behind_a_gap_is_refused_by_name() -> None:
-    floating = box("floating", (0.0, 0.0, 0.01), (0.4, 0.6, 1.0), 2e3)
-    words = r"floating: touches no other block; the nearest is 0.01 m away"
-    with pytest.raises(ValueError, match=words):
-        structure([GROUND, floating], dry(0.5))
-
-
 def test_laws_of_blocks_that_do_not_touch_are_refused() -> None:
     other = box("other", (1.0, 0.0, 0.0), (1.5, 0.6, 1.0), 2e3)
     with pytest.raises(ValueError, match="block and other"):

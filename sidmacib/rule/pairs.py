@@ -66,13 +66,6 @@ class Pairs:
         """Number of pairs over which their forces decay to 1/2.718."""
         return 1.0 / self.decay if self.decay > 0.0 else math.inf
 
-    def enough(self, share: float = 0.95) -> float:
-        """Number of pairs that carry this ``share`` of what a very long row carries.
-
-        From tanh(P kappa) = share, which holds for small kappa.
-        """
-        return math.atanh(share) * self.transfer_length
-
 
 def bearing_pairs(joint: Joint, push: Push = Push.PLUS_Y) -> int:
     """Number of pairs of locks that bear: lower locks that an upper lock pushes against."""

@@ -22,23 +22,18 @@ def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> di
     place of a load that is raised; ``variable`` then has weights in N; None otherwise. With a
     ``load`` (N), all forces are those under this load, in N.
     """
+    weights = weight_of_free(assembly)
+    others, arms = loads.permanent - weights, None
+    if loads.axis is None:
+        raised = (1.0 if load is None else load) * loads.variable
+        arms = loads.arms if isinstance(loads, PointForce) else None
+    else:
+        raised = weights if load is None else loads.at(load) - others
     most = float(np.abs(loads.permanent).max())
-    if loads.axis is not None:
-        weights = weight_of_free(assembly)
-        others = loads.permanent - weights
-        weights = weights if load is None else loads.at(load) - others
-        return {
-            "variable": [*_arrows(assembly, weights)],
-            "permanent": [*_arrows(assembly, others, _lever_arms(others), most)],
-            "axis": [*loads.axis],
-        }
-    arms = loads.arms if isinstance(loads, PointForce) else None
-    variable = (1.0 if load is None else load) * loads.variable
-    others = loads.permanent - weight_of_free(assembly)
     return {
-        "variable": [*_arrows(assembly, variable, arms)],
+        "variable": [*_arrows(assembly, raised, arms)],
         "permanent": [*_arrows(assembly, others, _lever_arms(others), most)],
-        "axis": None,
+        "axis": None if loads.axis is None else [*loads.axis],
     }
 
 
