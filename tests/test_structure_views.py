@@ -21,8 +21,9 @@ from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.scene.picture import picture, view_axes
 from sidmacib.scene.sections import chains, total
-from sidmacib.scene.solids import owners_of, shape_of, with_condensed_locks
+from sidmacib.scene.solids import shape_of, with_condensed_locks
 from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.structure import owners_of
 
 ARCH = ROOT / "studies/arch/arch.yaml"
 MOST_BYTES = 10_000_000

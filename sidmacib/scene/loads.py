@@ -7,8 +7,8 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.problem import Problem
-from sidmacib.scene.solids import owners_of
 from sidmacib.structure.loads import PointForce, weight_of_free
+from sidmacib.structure.structure import owners_of
 
 NOTHING = 1e-9  # of the largest force: no arrow
 

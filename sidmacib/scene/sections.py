@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Vector
-from sidmacib.scene.solids import owners_of
 from sidmacib.structure.analysis.rows import InterfaceRow
+from sidmacib.structure.structure import owners_of
 
 STEEP = 1e-6  # of a force: a part along the normal below leaves no point of action
 

@@ -1,6 +1,5 @@
 """Blocks and interfaces as points, triangles and edges, for a page that draws them."""
 
-import re
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -11,14 +10,14 @@ import shapely
 
 from sidmacib.build import Solid, solids
 from sidmacib.build.views import edge_vertices
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Piece
+from sidmacib.mechanics.assembly import Assembly, Floats, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.files.structure_file import blocks_and_rows
 from sidmacib.structure.interfaces import tangents, triangles
+from sidmacib.structure.structure import owners_of
 
 DIGITS = 6  # of coordinates
-LOCK = re.compile(r"-lock\d+$")  # ends the name of a lock that was cut out
 
 
 def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
@@ -53,22 +52,6 @@ def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
             if isinstance(face, Polygon)
         ],
     }
-
-
-def owners_of(assembly: Assembly) -> list[int]:
-    """For each piece its number, or that of the block which it is a lock of."""
-    names = [piece.name for piece in assembly.pieces]
-    owners = list(range(len(names)))
-    for face in assembly.faces:
-        ends = face.below, face.above
-        for lock, block in (ends, ends[::-1]):
-            if (
-                face.kind is Kind.INNER
-                and LOCK.search(names[lock])
-                and not LOCK.search(names[block])
-            ):
-                owners[lock] = block
-    return owners
 
 
 def points_of(shape: dict[str, Any]) -> int:

@@ -1,6 +1,7 @@
 """A structure: blocks, the interfaces found between them, and the law of each interface."""
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -32,6 +33,7 @@ from sidmacib.structure.rule_limits import rule_limits
 from sidmacib.validation import refused
 
 MOST_CELLS = 200_000  # of all interfaces
+LOCK = re.compile(r"-lock\d+$")  # ends the name of a lock that was cut out
 Pair = frozenset[str]  # names of two blocks
 
 
@@ -267,3 +269,19 @@ def _condensed(
     return CondensedLocks(
         name, Kind.LOCKED, law, *ends, axes, each.middle, outline, *points, limits
     )
+
+
+def owners_of(assembly: Assembly) -> list[int]:
+    """For each piece its number, or that of the block which it is a lock of."""
+    names = [piece.name for piece in assembly.pieces]
+    owners = list(range(len(names)))
+    for face in assembly.faces:
+        ends = face.below, face.above
+        for lock, block in (ends, ends[::-1]):
+            if (
+                face.kind is Kind.INNER
+                and LOCK.search(names[lock])
+                and not LOCK.search(names[block])
+            ):
+                owners[lock] = block
+    return owners

@@ -11,12 +11,13 @@ import shapely
 from scipy.linalg import expm
 
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats, Kind
+from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
 from sidmacib.structure.files.compas import ASSEMBLIES, INTERFACE, MODEL, content_of
 from sidmacib.structure.interfaces import triangles
+from sidmacib.structure.structure import owners_of
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
@@ -88,7 +89,7 @@ def compas_results(
     contacts between two blocks, compression positive, on the second block; ``contacts`` has them
     contact by contact, at its corners, ``contact_data`` the one that carries most.
     """
-    owner = _owners(assembly)
+    owner = owners_of(assembly)
     largest = float(np.linalg.norm(mechanism[:, :3], axis=1).max(initial=0.0))
     scale = SHOWN * assembly.length / largest if largest else 0.0
     moved = {
@@ -121,7 +122,7 @@ def with_interfaces(content: dict[str, Any], assembly: Assembly, force: Floats) 
     edges: dict[str, dict[str, Any]] = {}
     for one, others in graph["edge"].items():
         edges[one] = {other: {**edge, "interfaces": []} for other, edge in others.items()}
-    for ends, contact, area in _contacts(assembly, _owners(assembly), force):
+    for ends, contact, area in _contacts(assembly, owners_of(assembly), force):
         below, above = map(str, ends)
         if above in edges and below in edges[above] and above not in edges.get(below, {}):
             del edges[above][below]  # forces are those on the second block
@@ -156,19 +157,6 @@ def _node(name: str) -> int:
     if not number.isdecimal():
         raise ValueError(f"{name}: must be a block of the model, or a lock of one")
     return int(number)
-
-
-def _owners(assembly: Assembly) -> list[int]:
-    """Of each piece the block of the model that it is, or that its root as a lock belongs to."""
-    is_block = [piece.name.rpartition("-")[2].isdecimal() for piece in assembly.pieces]
-    owner = list(range(len(is_block)))
-    for face in assembly.faces:
-        if face.kind is Kind.INNER and is_block[face.below] != is_block[face.above]:
-            lock, block = face.below, face.above
-            if is_block[lock]:
-                lock, block = block, lock
-            owner[lock] = block
-    return owner
 
 
 def _contacts(
