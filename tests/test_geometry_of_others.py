@@ -45,19 +45,23 @@ def test_a_cube_slides_at_friction_times_weight_however_its_faces_are_cut(name: 
     assert face.outline.area == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("name", ["cra_plain", "cra_flipped", "cra_unwelded", "dem_group"])
-def test_a_model_has_the_load_of_its_blocks_however_it_is_written(name: str) -> None:
-    assert limit(str(CASES / f"{name}.json")) == pytest.approx(0.7 * 2e3 * 9.81, rel=1e-3)
-
-
-def test_a_list_of_meshes_needs_only_the_fixed_ones() -> None:
-    found = limit(str(CASES / "mesh_list.json"), "--fixed", "0", "--friction", "0.4")
-    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
-
-
-def test_y_may_be_up() -> None:
-    found = limit(str(CASES / "yup.obj"), "--up", "y", "--fixed", "gr*", "--friction", "0.4")
-    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
+@pytest.mark.parametrize(
+    ("file", "options", "friction"),
+    [
+        *((f"{name}.json", "", 0.7) for name in ("cra_plain", "cra_flipped", "cra_unwelded")),
+        ("dem_group.json", "", 0.7),
+        ("mesh_list.json", "--fixed 0 --friction 0.4", 0.4),
+        ("mesh_list.json", "--fixed-below -10mm --friction 0.4", 0.4),
+        ("yup.obj", "--up y --fixed gr* --friction 0.4", 0.4),
+        ("mm.obj", "--fixed ground --unit mm --friction 0.4", 0.4),
+        ("mm.obj", "--fixed-below -10mm --unit mm --friction 0.4", 0.4),
+    ],
+)
+def test_a_model_has_the_load_of_its_blocks_however_it_is_written(
+    file: str, options: str, friction: float
+) -> None:
+    found = limit(str(CASES / file), *options.split())
+    assert found == pytest.approx(friction * 2e3 * 9.81, rel=1e-3)
 
 
 def test_blocks_that_would_stand_if_turned_are_told_how() -> None:
@@ -83,8 +87,6 @@ def test_millimetres_are_asked_for_and_not_taken_as_metres() -> None:
     ended = run("assembly", str(CASES / "mm.obj"), "--fixed", "ground")
     assert ended.exit_code == 1
     assert "would be 1732 m across; say unit: mm" in ended.output.splitlines()[-1]
-    found = limit(str(CASES / "mm.obj"), "--fixed", "ground", "--unit", "mm", "--friction", "0.4")
-    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
 
 
 @pytest.mark.parametrize("gap", [0.0005, 0.005, -0.005])
@@ -242,14 +244,6 @@ def test_lists_of_meshes_may_be_in_lists(tmp_path: Path) -> None:
     meshes = json.loads((CASES / "mesh_list.json").read_text())
     path.write_text(json.dumps([[each] for each in meshes]))
     assert len(read_compas(path, 2e3, fixed=["0"])) == len(meshes)
-
-
-@pytest.mark.parametrize("file", ["mm.obj", "mesh_list.json"])
-def test_blocks_may_be_fixed_by_their_height(file: str) -> None:
-    options = ("--fixed-below", "-10mm", "--friction", "0.4")
-    unit = ("--unit", "mm") if file == "mm.obj" else ()
-    found = limit(str(CASES / file), *options, *unit)
-    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
 
 
 def test_a_file_without_supports_is_told_how_to_name_them() -> None:
