@@ -10,7 +10,6 @@ from structures import dry, example, solved
 
 from analysis.tables.structures import structures_table
 from sidmacib.answers.structure import static_answer
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
 from sidmacib.errors import CapacityError
@@ -152,14 +151,6 @@ def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
     assert curve.load[:-1] == pytest.approx(expected, abs=1e-6 * curve.load[0])
 
 
-def test_a_structure_that_other_permanent_loads_fell_is_said_to_fall_by_them() -> None:
-    pressed = {"pressure": {"side": [-1, 0, 0], "pascals": 2 * WEIGHT}}
-    problem = structure_of({**CUBE, "permanent": [pressed]})
-    for model in (static_answer, lambda each: limit_state(*each)):
-        with pytest.raises(CapacityError, match="own weight and the other permanent loads"):
-            model(problem)
-
-
 @pytest.mark.parametrize(
     ("permanent", "message"),
     [
@@ -236,9 +227,10 @@ def test_arrows_and_words_tell_what_does_not_turn() -> None:
     assert load_of(problem).endswith("permanent loads beside weight, together (0, 0, -7848) N")
 
 
-def test_what_falls_upright_is_said_to_fall_by_all_permanent_loads() -> None:
+@pytest.mark.parametrize("load", [CUBE["load"], SLOPE])
+def test_what_falls_is_said_to_fall_by_all_permanent_loads(load: dict[str, Any]) -> None:
     pressed = {"pressure": {"side": [-1, 0, 0], "pascals": 2 * WEIGHT}}
-    problem = structure_of({**CUBE, "permanent": [pressed], "load": SLOPE})
+    problem = structure_of({**CUBE, "permanent": [pressed], "load": load})
     for model in (structure_static, structure_limit):
         with pytest.raises(CapacityError, match="own weight and the other permanent loads"):
             model.solve(problem)

@@ -249,11 +249,12 @@ def test_a_page_without_plotly_says_what_to_install(
     )
 
 
-@pytest.mark.parametrize("option", ["--report", "--note"])
-def test_a_support_that_moves_has_no_page(option: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("option", ["--report", "--note", "--interfaces"])
+def test_a_support_that_moves_has_no_page_and_no_interfaces(option: str, tmp_path: Path) -> None:
     file = tmp_path / "beam.yaml"
     file.write_text(yaml.safe_dump(BEAM))
-    found = run("assembly", str(file), option, str(tmp_path / "x.html"))
+    written = [] if option == "--interfaces" else [str(tmp_path / "x.html")]
+    found = run("assembly", str(file), option, *written)
     assert found.exit_code == 2
     assert f"{option}: must not be given where a support moves" in found.output
 

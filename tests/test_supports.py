@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command_runner import answers, run
+from command_runner import answers
 from structures import dry
 
 from sidmacib import InfeasibleError, greatest_reaction, least_reaction, support_path
@@ -243,11 +243,3 @@ def test_studies_and_designs_refuse_a_support_that_moves() -> None:
     assembly = structure_of(BEAM).assembly
     with pytest.raises(ValueError, match=r"load\.support: is for multilock assembly and studies"):
         loads_of(assembly, BEAM["load"])
-
-
-def test_interfaces_are_refused_where_a_support_moves(tmp_path: Path) -> None:
-    file = tmp_path / "beam.yaml"
-    file.write_text(json.dumps(BEAM))
-    result = run("assembly", str(file), "--interfaces")
-    assert result.exit_code == 2
-    assert "--interfaces: must not be given where a support moves" in result.output
