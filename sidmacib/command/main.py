@@ -154,12 +154,6 @@ def capacity(
     require_answer(rows)
 
 
-def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
-    """Print loads; an exit code of 1 if no model gives any."""
-    click.echo(text_of(rows, form))
-    require_answer(rows)
-
-
 @main.command()
 @joint_options
 @_models
@@ -177,7 +171,8 @@ def envelope(
         rows = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
-    _show(rows, form)
+    click.echo(text_of(rows, form))
+    require_answer(rows)
 
 
 @main.command()

@@ -308,16 +308,12 @@ def require_covered(joint: Joint) -> None:
             allowed = (
                 f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
             )
+            short = float(f"{value:.4g}")
             raise refused(
                 name,
-                _short(value),
+                int(short) if short.is_integer() else short,
                 f"{allowed}, where the rule was tested; else use the static model",
             )
-
-
-def _short(value: float) -> float:
-    short = float(f"{value:.4g}")
-    return int(short) if short.is_integer() else short
 
 
 def capacity_of(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:

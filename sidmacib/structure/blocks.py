@@ -42,10 +42,11 @@ class Block:
         require_few_faces(self.name, len(self.faces))
         self._require_outlines()
         self._require_closed()
-        for number, corners in enumerate(self.outlines):
+        for number, (corners, normal) in enumerate(zip(self.outlines, self.normals, strict=True)):
             if (apart := off_plane(corners)) > FLAT * self.size:
                 raise ValueError(f"{self.name}, face {number}: must be plane (off by {apart:g} m)")
-            if not shapely.Polygon(_flattened(corners)).is_valid:
+            flat = np.delete(corners, int(np.abs(normal).argmax()), axis=1)
+            if not shapely.Polygon(flat).is_valid:
                 raise ValueError(f"{self.name}, face {number}: its outline must not cross itself")
         if not self.volume > 0.0:
             raise ValueError(
@@ -232,11 +233,6 @@ def normal_of(corners: Floats) -> Floats:
 def off_plane(corners: Floats) -> float:
     """Largest distance (m) of an outline's corners, (K, 3), from the plane that fits it."""
     return float(np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max())
-
-
-def _flattened(corners: Floats) -> Floats:
-    """The corners of a plane outline without the coordinate that is largest in its normal."""
-    return np.delete(corners, int(np.abs(normal_of(corners)).argmax()), axis=1)
 
 
 def prism(

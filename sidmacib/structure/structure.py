@@ -79,7 +79,10 @@ def structure(
     if (twice := _first_twice([piece.name for piece in parts.pieces])) is not None:
         raise refused("blocks", twice, "a name that no lock has")
     _require_held(parts.pieces, found)
-    _require_room(found, mesh)
+    area = math.fsum(each.outline.area for each in found)
+    if area / mesh / mesh > MOST_CELLS:  # before they are made
+        least = math.sqrt(area / MOST_CELLS)
+        raise refused("mesh", mesh, f"at least {least:.2g} m: more than {MOST_CELLS:,} cells")
     faces = tuple(_faces(found, parts, material, special, rows))
     if nodes is None:
         bonded = any(face.kind is Kind.INNER for face in faces)
@@ -107,14 +110,6 @@ def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]
     loose = [piece.name for piece, of in zip(pieces, group, strict=True) if of not in held]
     if loose:
         raise ValueError(f"{some_of(loose, 3)}: must be linked to a fixed block")
-
-
-def _require_room(found: Sequence[Interface], mesh: float) -> None:
-    """ValueError for a mesh of too many cells, before they are made."""
-    area = math.fsum(each.outline.area for each in found)
-    if area / mesh / mesh > MOST_CELLS:
-        least = math.sqrt(area / MOST_CELLS)
-        raise refused("mesh", mesh, f"at least {least:.2g} m: more than {MOST_CELLS:,} cells")
 
 
 def refined(assembly: Assembly, divided: int = 2) -> Assembly:

@@ -58,21 +58,14 @@ def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     """
     weight = free_weight(assembly)
     for begin in np.arange(0.0, LARGEST, SECTOR).tolist():
-        state = _across(assembly, tilt, begin)
-        if state is None:
+        try:  # the largest load beside gravity, where it turns to
+            state = limit_load(assembly, turning(assembly, tilt, begin), friction=True)
+        except UnboundedError:
             continue
         further = math.degrees(math.atan(state.load / weight))
         if further < SECTOR:
             return LimitTilt(begin + max(further, 0.0), state.mechanism)
     return LimitTilt(LARGEST)
-
-
-def _across(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
-    """The largest load beside gravity at ``angle`` (degrees), where it turns to; None for any."""
-    try:
-        return limit_load(assembly, turning(assembly, tilt, angle), friction=True)
-    except UnboundedError:
-        return None
 
 
 def _by_scan(assembly: Assembly, tilt: Tilt) -> LimitTilt:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
-from sidmacib.mechanics.contact_law import Flags, NodeState
+from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.problem import Outcome, State
 from sidmacib.quantities import clean, rounded
 from sidmacib.structure.analysis.forces import interface_forces
@@ -86,7 +86,9 @@ def interface_rows(
 
     ``failing``: the part of the peak at which the first bond of a face fails, by its index.
     """
-    state = None if at.bonded is None else _state(at.bonded)
+    state = None
+    if at.bonded is not None:
+        state = NodeState(np.zeros((len(at.bonded), 2)), at.bonded.astype(float))
     size = float(np.abs(force).max(initial=0.0))
     rows = []
     for number, each in enumerate(interface_forces(assembly, force, state)):
@@ -134,10 +136,6 @@ def block_rows(assembly: Assembly, outcome: Outcome) -> tuple[BlockRow, ...]:
         weight = rounded(piece.weight)
         rows.append(BlockRow(piece.name, piece.fixed, weight, x, y, z, outcome.motion_kind, move))
     return tuple(rows)
-
-
-def _state(bonded: Flags) -> NodeState:
-    return NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
 
 
 def _share(of_peak: float | None) -> float | None:

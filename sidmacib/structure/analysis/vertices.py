@@ -71,7 +71,10 @@ def vertex_effects(
     for number, group in enumerate(groups):
         names = [f"{number}{axis}" for axis in "xyz"]
         by_load = tuple(derived.by[name] for name in names)
-        by_weight = (_weight_by(changes[name]) for name in names)
+        by_weight = [
+            (free_weight(each.after[0]) - free_weight(each.before[0])) / each.difference
+            for each in map(changes.__getitem__, names)
+        ]
         by_factor = tuple(
             None if load is None else (load - derived.load / weight * heavier) / weight
             for load, heavier in zip(by_load, by_weight, strict=True)
@@ -80,11 +83,6 @@ def vertex_effects(
         having = tuple(each.name for each in blocks if _at(each, group, NEAR * size).any())
         effects.append(VertexEffect(places, having, by_load, by_factor))
     return tuple(effects)
-
-
-def _weight_by(change: Change) -> float:
-    (before, _), (after, _) = change.before, change.after
-    return (free_weight(after) - free_weight(before)) / change.difference
 
 
 def _places(blocks: Sequence[Block], near: float) -> list[Floats]:

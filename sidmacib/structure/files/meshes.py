@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from sidmacib.mechanics.assembly import Floats, Integers
+from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.blocks import Block, require_near
 from sidmacib.structure.files.obj import surfaces_in_obj
 from sidmacib.structure.files.repair import AS_IT_IS, Surface, bodies_in, repaired
@@ -54,7 +54,10 @@ def _surfaces(path: Path) -> dict[str, Surface]:
     if not found:
         raise ValueError(f"file: {path.name}: has no triangles")
     for places, faces in found.values():
-        _require_corners(f"file: {path.name}", np.concatenate(faces), len(places))
+        corners, last = np.concatenate(faces), len(places) - 1
+        if len(wrong := corners[(corners < 0) | (corners > last)]):
+            words = f"has a face with vertex {wrong[0]}; it has 0 to {last}"
+            raise ValueError(f"file: {path.name}: {words}")
         require_near(f"file: {path.name}", places)
     return found
 
@@ -75,10 +78,3 @@ def _numbered(surfaces: dict[str, Surface]) -> dict[str, Surface]:
         places, bodies = bodies_in(*surface)
         found += [(places, body) for body in bodies]
     return {str(number): body for number, body in enumerate(found, 1)}
-
-
-def _require_corners(what: str, corners: Integers, vertices: int) -> None:
-    """ValueError, which begins with ``what``, for one that is none of the ``vertices``."""
-    wrong = corners[(corners < 0) | (corners >= vertices)]
-    if len(wrong):
-        raise ValueError(f"{what}: has a face with vertex {wrong[0]}; it has 0 to {vertices - 1}")
