@@ -169,6 +169,7 @@ def test_a_block_across_a_joint_of_two_others_can_have_locks_to_both() -> None:
     [
         ({"row": None}, "row: must be given, or else run, and not both"),
         ({"row": (0.0, 0.0, 1.0)}, "row: .* a direction not across the interface"),
+        ({"count": 0}, "count: 0 is not allowed"),
         ({"height": 0.2}, "height of locks: 0.2 is not allowed; it must be less than"),
         ({"first": "roof"}, "first: 'roof' is not allowed; it must be one of the two blocks"),
         ({"widths": (0.1,) * 5}, "widths: .* add up to 0.25 m"),

@@ -28,7 +28,7 @@ from sidmacib.structure.interfaces import NEAR, interfaces, mean_size
 from sidmacib.structure.locks import LockPart, Locks, Row, cut_rows
 from sidmacib.structure.overlaps import common_volume, solid_of
 from sidmacib.structure.structure import Pair, rows_of
-from sidmacib.validation import refused
+from sidmacib.validation import refused, require_not_negative
 
 GROWN = 1e-11  # over a block's size: so that parts which touch overlap; far above rounding
 SMOOTHED = 1e-9  # over a block's size: what parts that overlap leave at their edges
@@ -47,10 +47,14 @@ class Clearance:
 
     ``sides``: at its flanks and ends; two neighbouring locks give way by half of it each.
     ``heads``: between its head and the bottom of the hollow; 0, as the joint bears there.
+    ValueError unless both are 0 or more.
     """
 
     sides: float = 0.0
     heads: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_not_negative(clearance=self.sides, head_clearance=self.heads)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Vector
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.interfaces import Interface
 from sidmacib.structure.locks import Condensed, Locks, Row, condensed_points
-from sidmacib.validation import require_positive
+from sidmacib.validation import require_not_negative, require_positive
 
 _CENTRE = Condensed(option=ContactOption((0.0,), (1.0,)))  # one point has the area of a lock
 LEVEL = 1e-6  # length of a level direction below which an interface is level
@@ -29,7 +29,7 @@ class LockKind:
     """The locks that a design is made of.
 
     ``widths`` (m) that a lock may have, ``height`` in m, and the materials of `Locks`. ValueError
-    for roots without cohesion.
+    for a number out of its range.
     """
 
     widths: tuple[float, ...]
@@ -38,14 +38,17 @@ class LockKind:
     dry: FaceMaterial
 
     def __post_init__(self) -> None:
+        require_positive(height=self.height, **{f"width {w!r}": w for w in self.widths})
         require_positive(cohesion=self.inner.cohesion)
+        if not self.widths:
+            raise ValueError("widths: must have one or more numbers")
 
 
 @dataclass(frozen=True)
 class Weights:
     """Cost of each lock that works, of each m2 of its root and m3 of it, whose sum is to be small.
 
-    ValueError if all are 0.
+    ValueError for a number below 0, or if all are 0.
     """
 
     number: float = 1.0
@@ -53,6 +56,7 @@ class Weights:
     volume: float = 0.0
 
     def __post_init__(self) -> None:
+        require_not_negative(number=self.number, area=self.area, volume=self.volume)
         if not (self.number or self.area or self.volume):
             raise ValueError("weights: one must be more than 0")
 

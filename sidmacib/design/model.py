@@ -24,6 +24,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
+from sidmacib.validation import require_not_negative
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,7 @@ class LoadCase:
     load: float
 
     def __post_init__(self) -> None:
+        require_not_negative(**{f"{self.name}: load": self.load})
         self.loads.require_proportional()
 
 

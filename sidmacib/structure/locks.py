@@ -16,10 +16,11 @@ import shapely
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.joint import DRY, FIXED_PLATE, INNER, HoldDown
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
+from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.cutting import Plane, clipped, cut, require_convex, sides
 from sidmacib.structure.interfaces import Interface
-from sidmacib.validation import refused
+from sidmacib.validation import refused, require_direction, require_positive, require_whole
 
 SHORT = 1e-6  # over the size of an interface: rounding of widths that are to fill it
 ALL = math.inf  # as many locks as there are
@@ -36,8 +37,8 @@ class Locks:
     belongs to; by default the one below. ``widths`` along the row in m, which fill the interface;
     by default equal. ``inner``: of the faces across which locks meet their own block; ``dry``: of
     all other faces of locks. ``condensed``: contact points, which limit analysis only can use;
-    None: each lock is a piece of its own, cut out of the blocks. ValueError for keys that do not
-    fit; ranges are those of a structure's file.
+    None: each lock is a piece of its own, cut out of the blocks. ValueError for a number out of its
+    range.
     """
 
     count: int
@@ -51,13 +52,21 @@ class Locks:
     condensed: "Condensed | None" = None
 
     def __post_init__(self) -> None:
+        require_whole(1, count=self.count)
+        require_positive(height=self.height)
         if (self.row is None) == (self.run is None):
             raise ValueError("row: must be given, or else run, and not both")
+        for name, along in (("row", self.row), ("run", self.run)):
+            if along is not None:
+                require_direction(**{name: along})
         if self.widths is not None and len(self.widths) != self.count:
             raise refused("widths", list(self.widths), f"one for each of the {self.count} locks")
         working = self.condensed.working if self.condensed else None
         if working not in (None, ALL) and working > self.count:
             raise refused("condensed.working", working, f"at most {self.count}")
+        require_positive(
+            **{f"width of lock {k}": width for k, width in enumerate(self.widths or (), start=1)}
+        )
 
 
 @dataclass(frozen=True)
@@ -69,7 +78,7 @@ class Condensed:
     forces, for a joint that is held down by ``hold_down``. By default `SAFE`, which stays lowest
     beside locks that are cut out: for 3 to 9 of them 0.85 to 1.04 of their first failure, where
     (n - 1) / 2 working locks are 0.98 to 1.06 and all of them 2.1 to 2.9.
-    ValueError if both ``working`` and ``rule`` are given.
+    ValueError unless some lock works, or if both ``working`` and ``rule`` are given.
     """
 
     working: float | None = None
@@ -78,6 +87,10 @@ class Condensed:
     hold_down: HoldDown = FIXED_PLATE
 
     def __post_init__(self) -> None:
+        if self.working not in (None, ALL):
+            require_positive(working=self.working)
+        if self.rule is not None and self.rule not in RULES:
+            raise refused("rule", self.rule, f"one of {', '.join(RULES)}")
         if self.rule is not None and self.working is not None:
             raise ValueError(
                 "working: must not be given beside rule, which says how many locks work"
