@@ -1,11 +1,14 @@
 """Colours, and V-M curves in print: for the command's pictures and the figures of studies."""
 
+import importlib
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # it takes longer to load than most answers to compute
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Colours that people with any kind of colour vision tell apart (Okabe and Ito, 2008).
 BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY = (
@@ -14,6 +17,18 @@ BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY = (
 )
 # Of a V-M curve, e / a: straight lines between these are at most 1 % above the safe rule.
 VM_RATIOS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)
+
+
+def write_figure(figure: "Figure", to: Path | IO[str], form: str = "", **how: Any) -> None:
+    """Write ``figure`` into a file or a stream, always the same bytes.
+
+    ``form``: svg, pdf or png, by default the ending of the file. ``how``: as
+    `matplotlib.figure.Figure.savefig` takes it. ValueError for a form that it does not know.
+    """
+    form = form or (to.suffix[1:].lower() if isinstance(to, Path) else "svg")
+    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
+    with importlib.import_module("matplotlib").rc_context({"svg.hashsalt": "multilock"}):
+        figure.savefig(to, format=form or None, metadata=dates.get(form), **how)
 
 
 def vm_axes(axes: "Axes", title: str) -> None:

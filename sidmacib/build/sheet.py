@@ -20,7 +20,7 @@ from matplotlib.transforms import Bbox
 from sidmacib.build import Kind
 from sidmacib.build.files import UNITS, label
 from sidmacib.build.views import Detail, View, cut_place, details, distinct, section, smooth, view
-from sidmacib.drawing import BLACK, GREY, VERMILION
+from sidmacib.drawing import BLACK, GREY, VERMILION, write_figure
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.locks import Row
 from sidmacib.structure.structure import Pair
@@ -105,9 +105,8 @@ def draw_sheet(kind: Kind, rows: Mapping[Pair, Row], count: int, unit: str, note
 
 def write_sheet(figure: Figure, path: Path) -> None:
     """Write the sheet as SVG or PDF, always the same bytes."""
-    date = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None}
-    with mpl.rc_context({"svg.hashsalt": "multilock", "hatch.linewidth": 0.4}):
-        figure.savefig(path, metadata=date)
+    with mpl.rc_context({"hatch.linewidth": 0.4}):
+        write_figure(figure, path)
 
 
 def _arranged(size: Floats) -> tuple[float, list[float], list[float]]:

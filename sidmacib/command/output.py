@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve
+from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve, write_figure
 from sidmacib.models import MODELS
 from sidmacib.quantities import MEASURED_IN, four_digits
 
@@ -166,7 +166,7 @@ def draw(figure: "Figure", path: Path) -> None:
     """Write ``figure`` into a file whose ending tells its kind; `click.UsageError`."""
     try:
         with writing("--picture", path):
-            figure.savefig(path, dpi=150)
+            write_figure(figure, path, dpi=150)
     except ValueError as error:
         raise click.UsageError(f"--picture {path}: {error}") from None
 

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 
 from sidmacib.command.answers import Row
 from sidmacib.command.output import cell, in_asked_units, in_asked_words, write_text
 from sidmacib.command.structure_views import Views
+from sidmacib.drawing import write_figure
 from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece
 from sidmacib.mechanics.crushing import crushed_faces, strength_of
 from sidmacib.quantities import some_of
@@ -67,9 +67,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
 def _drawing(views: Views) -> str:
     """The picture as SVG, the same for the same input."""
     stream = io.StringIO()
-    with mpl.rc_context({"svg.hashsalt": "multilock"}):
-        figure = picture(views.models[0], views.shape, "", WIDTH)
-        figure.savefig(stream, format="svg", metadata={"Date": None})
+    write_figure(picture(views.models[0], views.shape, "", WIDTH), stream)
     text = stream.getvalue()
     return text[text.index("<svg") :]
 
