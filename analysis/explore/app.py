@@ -52,7 +52,8 @@ from analysis.explore.state import (
     from_query,
     query_of,
 )
-from analysis.explore.structures import FAULTS, STAGES, carried, same, structure_answer
+from analysis.explore.structures import STAGES, answered, same, structure_answer
+from sidmacib.errors import CapacityError, ResultError
 
 HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
@@ -73,6 +74,7 @@ POLICY_OF_FILES = (
 SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
+FAULTS = (CapacityError, ResultError, ValueError, ArithmeticError, MemoryError)  # of a file
 ABOUT = (
     "Curve: peak of the static model, on the same mesh as the command's; for elastic blocks, first "
     "failure by the law. Green bars: range in which the law was tested, all other inputs "
@@ -202,13 +204,13 @@ class Explorer:
                     stage(same(each))
         with self._desk.turn(*asked.turn):
             found = structure_answer(chosen)
-            both = [carried(each) for each in asked.checked.states]
+            both = [answered(same(each)) for each in asked.checked.states]
         return {
             **asked.echo,
             **found,
             "values": dict(chosen.values),
-            "kept": {"words": both[1][0]} if both[1:] else None,
-            "comparison": _compared(asked.checked, [told for _, told in both]),
+            "kept": {"words": both[1].views.answer} if both[1:] else None,
+            "comparison": _compared(asked.checked, [each.carried for each in both]),
             "link": _link(request, "structures", asked.checked),
         }
 

@@ -2,22 +2,18 @@
 
 import base64
 import binascii
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
 from werkzeug.exceptions import NotFound
 
-from analysis.explore.comparison import Figure, compared
-from sidmacib.answers.structure import StaticAnswer
-from sidmacib.command.answers import Row
+from analysis.explore.comparison import compared
+from analysis.explore.structures import StructureAnswer
 from sidmacib.command.output import cell
-from sidmacib.command.structure_views import Views
-from sidmacib.command.structures import limit_of, static_of, structure_notes
-from sidmacib.command.verdicts import demanded_rows
+from sidmacib.command.structures import limit_of, static_of
 from sidmacib.scene.page import page
 from sidmacib.structure.files.structure_file import demands_of, description_in
 from sidmacib.structure.loads import SupportMotion
@@ -63,53 +59,26 @@ class OpenedFiles:
         return files[number].page(files.get(kept), words)
 
 
-@dataclass(frozen=True, eq=False)
-class OpenedFile:
-    """A structure that was sent, what models say of it, and which load counts.
-
-    ``name``: of its file; ``rows``: the table that the command prints.
-    """
+class OpenedFile(NamedTuple):
+    """A structure that was sent, by the ``name`` of its file."""
 
     name: str
-    description: Any
-    views: Views
-    rows: Sequence[Row]
-    counts: str | None
+    answer: StructureAnswer
 
     def page(self, kept: "OpenedFile | None", words: Mapping[str, Any]) -> str:
         """The command's page, beside the file that is ``kept``, if one is.
 
         ``words``: those that the page has beyond the command's.
         """
-        data, own = self.views.content(self.rows, f"multilock assembly {self.name}")
-        shown: dict[str, Any] = {"kept": kept and kept.views, "comparison": []}
+        here = self.answer
+        data, own = here.views.content(here.rows, f"multilock assembly {self.name}")
+        shown: dict[str, Any] = {"kept": kept and kept.answer.views, "comparison": []}
         if kept is not None:
-            data["structures"] += kept.views.content(kept.rows, "")[0]["structures"]
-            lines = compared((self._told(), kept._told()), (self._carried(), kept._carried()))
+            there = kept.answer
+            data["structures"] += there.views.content(there.rows, "")[0]["structures"]
+            lines = compared((here.told, there.told), (here.carried, there.carried))
             shown["comparison"] = [[cell(value) for value in line] for line in lines]
         return page(data, {**own, **words, **shown}, TEMPLATE)
-
-    def _told(self) -> dict[str, Figure]:
-        return dict(_leaves(self.description))
-
-    def _carried(self) -> dict[str, Figure]:
-        told: dict[str, Figure] = {"load that counts": self.counts}
-        for row in self.rows:
-            loads = {name: each for name, each in row.items() if not name.startswith("mesh error")}
-            numbers = {name: each for name, each in loads.items() if isinstance(each, float)}
-            told |= {f"{row['model']}: {name}": each for name, each in numbers.items()}
-        return told
-
-
-def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Figure]]:
-    """The values of a description by their keys; a list in a line."""
-    if isinstance(value, Mapping):
-        for key, each in value.items():
-            yield from _leaves(each, f"{name}.{key}" if name else str(key))
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield name, float(value)
-    else:
-        yield name, str(value)
 
 
 def opened_files(files: Sequence[Mapping[str, Any]]) -> list[OpenedFile]:
@@ -138,14 +107,9 @@ def _opened(path: Path) -> OpenedFile:
     problem = demand.problem
     if isinstance(problem.loads, SupportMotion):
         raise ValueError("load.support: is for multilock assembly only; use another load here")
-    notes = structure_notes(problem, description)
     limit = limit_of(problem)
-    static = static_of(problem, limit)
-    rows, found = demanded_rows(demand, limit, static)
-    verdict = "" if found is None else str(found)
-    views = Views.of(path, description, problem, limit, static, notes, verdict)
-    counts = static.counts.name if isinstance(static, StaticAnswer) else None
-    return OpenedFile(path.name, description, views, rows, counts)
+    answer = StructureAnswer.of(path, description, demand, limit, static_of(problem, limit))
+    return OpenedFile(path.name, answer)
 
 
 def _written(file: Mapping[str, Any], folder: Path) -> Path:

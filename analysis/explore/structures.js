@@ -29,8 +29,10 @@ async function ask() {
 
 function show(answer) {
   shown = answer;
-  for (const name of ["words", "unit", "yaml", "link"]) at(name).textContent = answer[name];
-  at("lines").tBodies[0].replaceChildren(...answer.lines.map(tableRow));
+  for (const name of ["words", "yaml", "link"]) at(name).textContent = answer[name];
+  const titles = answer.head.map((title) => Object.assign(document.createElement("th"), { scope: "col", textContent: title }));
+  at("lines").tHead.rows[0].replaceChildren(...titles);
+  at("lines").tBodies[0].replaceChildren(...answer.rows.map(tableRow));
   showStructure(preparedStructure(answer.row, answer.shape, answer.blocks, answer.interfaces, answer));
   at("structure-order").textContent = orderOf(drawn);
   at("answer").ariaBusy = "false";
