@@ -60,34 +60,11 @@ def test_a_text_that_is_no_study_is_refused_in_one_line(
     assert len(line) < LETTERS
 
 
-VALUES = [
-    ("geometry: {a: true}", "geometry.a: true is not a number; it must be a number greater than 0"),
-    ("samples: {n3: {locks: true}}", "samples.n3.locks: true is not a number; .* from 1 to 101"),
-    ("samples: {n3: {locks: 3.5}}", "samples.n3.locks: 3.5 is not allowed; .* a whole number from"),
-    ("geometry: {a: .nan}", "geometry.a: nan is not allowed; it must be greater than 0 .m."),
+VALUES = [  # that YAML, or its writing, makes a difference to; others: cases/refused_studies.yaml
     ("geometry: {a: 2024-01-01}", "geometry.a: '2024-01-01' is not a number"),
     ("geometry: {a: 1:30}", "geometry.a: '1:30' is not a number"),
     ("geometry: {a: 010}", "geometry.a: '010' is not a number"),
-    ("geometry: {a: null}", "geometry.a: null is not a number"),
-    ("geometry: 3", "geometry: 3 is not allowed; it must be a mapping of keys to values"),
-    ("variants:", "variants: null is not allowed; it must be a mapping"),
-    ("dem: {engines: yade}", "dem.engines: 'yade' is not allowed; it must be a list"),
-    ("meshes: {0.02}", "meshes: a mapping is not allowed; it must be a list"),
     ("eccentricities: [yes]", "eccentricities.1: 'yes' is not allowed; .*, or torsion"),
-    ("eccentricities: [true]", "eccentricities.1: true is not allowed; it must be .* at least 0"),
-    ('samples: {"n\\n": {locks: 3}}', r"samples: 'n\\n' is not allowed as a name"),
-    ("samples: {..: {locks: 3}}", r"samples: '\.\.' is not allowed as a name; it must be made of"),
-    ("samples: {}", "samples: missing; it must name at least one"),
-    ("results: {x}", "results: a mapping is not allowed; it must be the name of a folder"),
-    ('results: "{x}"', "results: '{x}' is not allowed; .* must be made of letters"),
-    ("results: -rf", "results: '-rf' is not allowed; .* not begin with -"),
-    ("results: /", "results: '/' is not allowed; it must name a folder, not /, . or .."),
-    ("results: ..", r"results: '\.\.' is not allowed; it must name a folder, not /, . or .."),
-    ("results:", "results: null is not allowed; it must be the name of a folder"),
-    ("meshes: [1e-6]", "meshes: 1e-06 m is too fine for sample n3, .* 1,000,000 or fewer"),
-    ("variants: {v: {meshes: [1e-6]}}", "variants.v.meshes: 1e-06 m is too fine for sample n3"),
-    ("calibration: {meshes: [1e-6]}", "calibration.meshes: 1e-06 m is too fine .* least 0.0001 m"),
-    ("models: [[static]]", "models.1: a list is not allowed; it must be a text"),
     ("overrides: {[x]: {}}", "line 2: a list or mapping as a key"),
 ]
 

@@ -127,43 +127,6 @@ def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) 
     assert "No result: finite displacements" in last["text"]
 
 
-LODE = {**TRILITH, "lode": 1}
-FLOATS = with_changes(TRILITH, {"blocks": {"free": {"low": [0, 0, 9], "high": [1, 1, 10]}}})
-BAD = {"thin": {"interfaces": {"friction": -1}}}
-LIFT = {"up": {"lift": 1}}
-ALL_MOVE = {"falls": {"support": {"block": "ground", "rotation": [1, 0, 0]}}}
-NOBODY = {**PUSHED, "falls": {"support": {"block": "nobody", "rotation": [1, 0, 0]}}}
-
-
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({"loads": ALL_MOVE}, r"loads: all are supports that move; one that is not, such as "),
-        ({"loads": NOBODY}, r"loads\.falls: load\.support\.block: 'nobody' is not allowed"),
-        ({"blocks": 1}, r"blocks: unknown key; allowed keys: file, "),
-        ({"file": 1}, r"file: 1 is not allowed; it must be a text"),
-        ({"description": []}, r"description: .* must be a mapping of keys"),
-        ({"description": LODE}, r"description: lode: unknown key; allowed keys: blocks, load"),
-        ({"description": FLOATS}, r"description: free: touches no other block"),
-        ({"variants": BAD}, r"variants\.thin: interfaces\.friction: -1 is not allowed; it must be"),
-        ({"loads": LIFT}, r"loads\.up: load.lift: unknown key; allowed keys: acceleration, force"),
-        ({"loads": {"up": 1}}, r"loads\.up: 1 is not allowed; it must be a mapping"),
-        ({"models": ["law"]}, r"models: 'law' is not allowed; it must be yade or "),
-        ({"models": ["static", "static"]}, r"models: static appears twice"),
-        ({"variants": {"reference": {}}}, r"variants: the name reference is reserved"),
-    ],
-)
-def test_a_fault_is_reported_in_one_line_with_its_key(keys: dict[str, Any], words: str) -> None:
-    with pytest.raises(ConfigError, match=rf"^structures\.trilith\.{words}") as error:
-        read_study(study_of(**keys))
-    assert len(str(error.value).splitlines()) == 1
-
-
-def test_a_structure_without_a_description_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"structures\.t: missing; give description or file"):
-        read_study({"structures": {"t": {}}})
-
-
 @pytest.fixture(scope="module")
 def table(structures_study: Path) -> pd.DataFrame:
     rows = read_table(STRUCTURES, structures_study / "tables/structures.csv")

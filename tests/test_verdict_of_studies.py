@@ -20,12 +20,11 @@ from sidmacib.answers.structure_limit import limit_state
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from workflow.cases import structure_cases
-from workflow.configuration import ConfigError, read_study
+from workflow.configuration import read_study
 from workflow.results.tables import VERDICTS, read_table
 from workflow.schema import with_changes
 
 PUSH = {"acceleration": [1, 0, 0]}
-PUSHED_BY = {**PUSH, "newtons": 1}
 CUBE: dict[str, Any] = {
     "blocks": {
         "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
@@ -139,25 +138,3 @@ def test_loads_of_a_study_stand_in_place_of_load_cases() -> None:
     assert case.subject.demands
     assert case.subject.description["load"] == loads["push"]
     assert "load_cases" not in case.subject.description
-
-
-@pytest.mark.parametrize(
-    ("description", "words"),
-    [
-        (
-            with_changes(DEMANDED["cases"], {"load_cases": {"flood": {"newtons": 0}}}),
-            r"it\.description: load_cases\.flood\.newtons: 0 is not allowed",
-        ),
-        (
-            {**DEMANDED["cases"], "load": PUSH},
-            r"it\.description: load_cases: must not be given beside load",
-        ),
-        (
-            {**CUBE, "load_cases": {"a b": PUSHED_BY, "a_b": PUSHED_BY}},
-            r"it\.description\.load_cases: names must differ in letters, digits",
-        ),
-    ],
-)
-def test_a_fault_of_load_cases_is_named(description: dict[str, Any], words: str) -> None:
-    with pytest.raises(ConfigError, match=words):
-        read_study(study_of(description))
