@@ -1,11 +1,14 @@
 # The report of a study: its joints and structures, from the inputs that other rules have added.
 from workflow.command import REPORT
 
-PAGE_FILES = tuple(  # templates, styles and scripts
-    f"{folder}/{path.name}"
-    for folder in ("analysis/report", "sidmacib/scene")
-    for path in Path(CHECKOUT, folder).iterdir()
-    if path.suffix in (".css", ".j2", ".js")
+PAGE_FILES = (
+    "workflow/results/columns.yaml",
+    *(  # templates, styles and scripts
+        f"{folder}/{path.name}"
+        for folder in ("analysis/report", "sidmacib/scene")
+        for path in Path(CHECKOUT, folder).iterdir()
+        if path.suffix in (".css", ".j2", ".js")
+    ),
 )
 SHOWN_STRUCTURES = {  # one case of each, whatever its model
     case.name: case.to_json() for case in reversed(JOBS.structures.values())
