@@ -9,7 +9,6 @@ from http.client import HTTPConnection
 from typing import Any
 
 from analysis.explore.app import LOOPBACK, serve
-from analysis.explore.requests import Desk
 
 JSON = {"Content-Type": "application/json"}
 
@@ -32,7 +31,6 @@ class Served:
     """The page on a port of this machine."""
 
     port: int
-    desk: Desk
 
     @property
     def url(self) -> str:
@@ -58,11 +56,6 @@ class Served:
         more = {k.replace("_", "-"): v for k, v in headers.items()}
         return self.send("POST", path, JSON | more, body)
 
-    def newest(self) -> tuple[str, int]:
-        """The page that asked last, and the number of its newest request."""
-        with self.desk._changed:
-            return list(self.desk._latest.items())[-1]
-
     def ask(self, values: object, page: str = "test", number: int = 1) -> Answered:
         """What the page asks for a joint."""
         return self.post("/answer", {"page": page, "number": number, "values": values})
@@ -71,11 +64,11 @@ class Served:
 @contextmanager
 def explorer() -> Iterator[Served]:
     """Serve the page, on a free port."""
-    server, app = serve(0)
+    server, _ = serve(0)
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
     try:
-        yield Served(server.port, app._desk)
+        yield Served(server.port)
     finally:
         server.shutdown()
         thread.join()

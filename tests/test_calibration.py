@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 
 from analysis.calibration.candidates import (
-    CandidateMisfit,
     Trial,
     candidate_study,
     candidates,
     check,
     engine_study,
+    misfit_columns,
     misfit_table,
     read_as_degrees,
     study_candidates,
@@ -75,20 +75,22 @@ def test_the_joints_of_the_study_are_distinguished_by_size_and_friction(study: S
 
 
 def test_published_values_themselves_have_no_misfit_in_their_order() -> None:
-    found = CandidateMisfit.of(PEAKS, at_both(PRINTED), PUBLISHED)
-    assert found.printed == 0.0
-    assert found.swapped > 5.0
-    assert not found.fits
-    swapped = CandidateMisfit.of(PEAKS, at_both(SWAPPED), PUBLISHED)
-    assert (swapped.swapped, swapped.peak, swapped.weight) == (0.0, 0.0, 0.0)
-    assert swapped.fits
+    found = misfit_columns(PEAKS, at_both(PRINTED), PUBLISHED)
+    assert found["misfit_printed"] == 0.0
+    assert found["misfit_swapped"] > 5.0
+    assert not found["fits"]
+    found = misfit_columns(PEAKS, at_both(SWAPPED), PUBLISHED)
+    differences = "largest_peak_difference", "largest_weight_difference"
+    assert [found[name] for name in ("misfit_swapped", *differences)] == [0.0, 0.0, 0.0]
+    assert found["fits"]
 
 
 def test_peaks_count_in_half_percents_and_weights_in_steps_of_two_hundredths() -> None:
     weights = {(3, 0.02): [0.77, 0.99, 0.02]}
-    found = CandidateMisfit.of({(3, 0.02): 1.005 * 240.76}, weights, PUBLISHED)
-    assert found.swapped == pytest.approx(math.sqrt((1 + 1) / 4))
-    assert (found.peak, found.weight) == (pytest.approx(0.005), pytest.approx(0.02))
+    found = misfit_columns({(3, 0.02): 1.005 * 240.76}, weights, PUBLISHED)
+    assert found["misfit_swapped"] == pytest.approx(math.sqrt((1 + 1) / 4))
+    assert found["largest_peak_difference"] == pytest.approx(0.005)
+    assert found["largest_weight_difference"] == pytest.approx(0.02)
 
 
 def test_nothing_fits_the_weights_as_printed(table: pd.DataFrame) -> None:

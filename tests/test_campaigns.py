@@ -44,7 +44,7 @@ LONG = {  # a case of an engine that takes minutes
     "samples": {"n5": {"locks": 5}},
     "meshes": [0.005],
     "eccentricities": [0],
-    "models": ["limit"],  # no report without the engine first, as that needs static
+    "models": ["limit"],
     "dem": {"engines": ["yade"]},
     "sidmacib": {"reductions": ["none"]},
 }

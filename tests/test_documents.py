@@ -156,14 +156,6 @@ def test_the_site_is_built_without_warnings(tmp_path: Path, request: pytest.Fixt
     assert found.errors == []
 
 
-def test_the_page_of_keys_has_every_key() -> None:
-    text = site.page()
-    for key in Study.model_fields:
-        assert f"| `{key}` |" in text
-    for path in ("dem.numerics", "samples.<name>.inner", "variants.<name>.numerics", "measured"):
-        assert f"## {path}" in text or f"`{path}`" in text
-
-
 def test_every_column_of_every_table_has_a_meaning_and_every_meaning_a_column() -> None:
     for table in TABLES:
         for column in columns_of(table):

@@ -303,39 +303,6 @@ def test_nothing_leaves_the_machine(opened: Opened, served: Served) -> None:
     assert opened.errors == []
 
 
-def test_another_page_cannot_frame_it_or_make_it_work(
-    browser: Browser, served: Served, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    computed: list[Settings] = []
-
-    def counted(state: Settings) -> Answers:
-        computed.append(state)
-        return Answers(None, {}, "counted")
-
-    monkeypatch.setattr(app, "answers", counted)
-    page = browser.new_page()
-    page.route(
-        "http://evil.example/",
-        lambda route: route.fulfill(
-            content_type="text/html",
-            body=f'<iframe src="{served.url}/?locks=31"></iframe><img src="{served.url}/answer">',
-        ),
-    )
-    page.goto("http://evil.example/")
-    asked = '{"page": "evil", "number": 1, "values": {"locks": 31}}'
-    for kind in ("text/plain", "application/json"):
-        headers = f"{{'Content-Type': '{kind}'}}"
-        options = f"{{method: 'POST', body: '{asked}', headers: {headers}}}"
-        for mode in ("", "mode: 'no-cors', "):
-            changed_options = options.replace("{method", f"{{{mode}method", 1)
-            page.evaluate(f"fetch('{served.url}/answer', {changed_options}).catch(() => null)")
-    page.wait_for_timeout(500)
-    frames = [frame for frame in page.frames if frame != page.main_frame]
-    assert all(frame.locator("#sliders").count() == 0 for frame in frames)
-    assert computed == []
-    page.close()
-
-
 def test_everyone_can_read_it_in_a_narrow_window_too(browser: Browser, served: Served) -> None:
     """What an automatic check of accessibility can see."""
     page = opened_at(browser, served, width=380).page

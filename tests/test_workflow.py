@@ -4,7 +4,6 @@ import csv
 import json
 import re
 import shutil
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,12 +12,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 import yaml
-from campaigns.faults import processes_in
 from conftest import ROOT
 from processes import python, ran
 from small import COARSE
 from test_decks import returned
-from test_execute import becomes_true
 
 from workflow.__main__ import forget_failures
 from workflow.cases import cases_of
@@ -280,25 +277,6 @@ def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
     forget_failures(workspace.results, every=False)  # as `make study` does
     assert workspace.planned() == {"n3-mesh0.03-torsion"} | TABLES
     assert workspace.snakemake().returncode == 0
-    assert pd.read_csv(workspace.results / "tables/cases.csv")["error"].isna().all()
-
-
-@pytest.mark.engine
-def test_a_run_that_is_killed_leaves_nothing_and_the_next_goes_on(workspace: Workspace) -> None:
-    workspace.configure({**SMALL, "meshes": [0.008], "eccentricities": [0], "variants": {}})
-    run = subprocess.Popen(
-        workspace.command(), cwd=workspace.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-    )
-    cases = workspace.results / "cases"
-    assert becomes_true(lambda: processes_in(cases) != [], 120.0)
-    refused = workspace.snakemake()
-    assert refused.returncode != 0
-    assert re.search(r"another run is using this folder \(process \d+\)", refused.stderr)
-    run.send_signal(signal.SIGKILL)
-    run.wait()
-    assert becomes_true(lambda: not processes_in(cases), 20.0)
-    found = workspace.snakemake("results/tables/cases.csv")
-    assert found.returncode == 0, found.stderr
     assert pd.read_csv(workspace.results / "tables/cases.csv")["error"].isna().all()
 
 

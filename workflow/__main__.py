@@ -12,7 +12,6 @@ from typing import Any
 
 from sidmacib.command.output import FORMATS, text_of
 from sidmacib.errors import ResultError
-from sidmacib.models import REFERENCE_MODEL
 from workflow.case import Case
 from workflow.cases import case_count
 from workflow.command import (
@@ -29,16 +28,12 @@ from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import notes
 from workflow.jobs import case_jobs
 from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
-from workflow.schema import Study
 
 SUMMARIES = {  # and the marks that nothing is missing, whose logs show that they were written
     "summary.txt": "complete",
     "structures.txt": "structures_complete",
 }
 MANY = 5000  # cases, which take a while to plan
-DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
-REFUSED = "refused"  # by a model that cannot do such a structure
-NONE = (None, False)
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
 RETRY = "RETRY"  # in the environment: try all cases without a result again
 
@@ -52,8 +47,6 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
         print(f"{count:,} cases", file=sys.stderr)
     with lock(Path(study.results)):
         forget_failures(Path(study.results), every=bool(os.environ.get(RETRY)))
-    if not options:  # nothing is computed on a cluster's front end
-        _first_report(config, study)
     started = time.time()
     whole = snakemake(config, study.results, options=options)
     for name, mark in SUMMARIES.items():
@@ -86,18 +79,6 @@ def _has_failed(records: Path) -> bool:
         return any(json.loads(line)["error"] for line in records.read_text().splitlines())
     except ValueError:
         return True
-
-
-def _first_report(config: Path, study: Study) -> None:
-    """Write a first report without the engines, which may take long.
-
-    Only if there is no report yet; it is written again when the engines have ended.
-    """
-    path = Path(study.results, REPORT)
-    engines = study.samples and study.dem.engines and REFERENCE_MODEL in study.models
-    if engines and not path.exists():
-        print("Writing a first report without the engines", file=sys.stderr)
-        snakemake(config, study.results, (str(path),), engines=False)
 
 
 def write_report(config: Path, results: str | None) -> str | None:
@@ -137,7 +118,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     jobs = case_jobs(study)
     cases: list[Case[Any]] = [*jobs.joints.values(), *jobs.structures.values()]
     return [
-        {"model": case.model, "case": case.name, **_state(*found.get(case.folder, NONE))}
+        {"model": case.model, "case": case.name, **_state(*found.get(case.folder, (None, False)))}
         for case in cases
     ]
 
@@ -155,13 +136,14 @@ def _current(config: Path, results: str) -> dict[Path, bool]:
 
 
 def _state(record: Record[Any] | None, valid: bool) -> dict[str, Any]:
+    """The state of a case, its peak, and why it has none; a model refuses what it cannot do."""
+    state = "done" if valid else "outdated"
     if record is None:
-        return {"state": TO_DO, "peak (N)": None, "note": ""}
-    if record.refused:
-        return {"state": REFUSED, "peak (N)": None, "note": record.refused}
-    if record.error is not None:
-        return {"state": FAILED, "peak (N)": None, "note": record.error}
-    return {"state": DONE if valid else OUTDATED, "peak (N)": record.load_N, "note": ""}
+        state = "to do"
+    elif record.refused or record.error is not None:
+        state = "refused" if record.refused else "failed"
+    note = (record.refused or record.error or "") if record else ""
+    return {"state": state, "peak (N)": record and record.load_N, "note": note}
 
 
 def main() -> None:

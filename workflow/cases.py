@@ -7,7 +7,7 @@ from functools import cache
 from itertools import product
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Engine, Numerics
+from sidmacib.engines.engine import Engine
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
@@ -96,7 +96,11 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[JointCase]:
                         nodes=run.nodes,
                         loading=loading(ratio, run.assembly),
                     ),
-                    numerics=_numerics(run.model, numerics, study.overrides.get(name)),
+                    numerics=run.model.numerics(
+                        _changed(numerics, study.overrides.get(name, NumericsChanges())).numerics()
+                    )
+                    if isinstance(run.model, Engine)
+                    else None,
                 )
 
 
@@ -186,14 +190,6 @@ def second_mesh(joint: Joint, meshes: Collection[float], nodes: NodeLayout) -> f
     if dear and cells >= APART * cells_of(joint, coarser):
         return coarser
     return None if count > MAX_NODES else finer
-
-
-def _numerics(
-    model: Model, section: NumericsSection, override: NumericsChanges | None
-) -> Numerics | None:
-    if not isinstance(model, Engine):
-        return None
-    return model.numerics((_changed(section, override) if override else section).numerics())
 
 
 def _changed(numerics: NumericsSection, change: NumericsChanges) -> NumericsSection:

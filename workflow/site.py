@@ -235,16 +235,12 @@ def described(thing: Any) -> Iterator[tuple[str, str, str]]:
     }
     for name in inspect.signature(thing).parameters:
         if name in kinds:
-            kind = _without_none(kinds[name])
+            parts = [each for each in typing.get_args(kinds[name]) if each is not type(None)]
+            optional = typing.get_origin(kinds[name]) in UNIONS and len(parts) == 1
+            kind = parts[0] if optional else kinds[name]
             words = _of_joint(thing, name) or said.get(name) or _of_class(kind)
             numbers = typing.get_args(kind)[0].__name__ if number_of(kind) else ""
             yield name, numbers, "; ".join(filter(None, (words, _range(kind))))
-
-
-def _without_none(kind: Any) -> Any:
-    """The other member of a union with None."""
-    parts = [each for each in typing.get_args(kind) if each is not type(None)]
-    return parts[0] if typing.get_origin(kind) in UNIONS and len(parts) == 1 else kind
 
 
 def _of_joint(thing: Any, name: str) -> str:

@@ -14,7 +14,6 @@ import numpy as np
 from sidmacib.engines.render import ENVIRONMENT
 from sidmacib.engines.results import stress_to_force
 from sidmacib.errors import ResultError
-from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Assembly,
@@ -86,18 +85,17 @@ def deck(case: JointCase) -> str:
         gravity=GRAVITY,
         increment=increment,
         rounds=ROUNDS,
-        heavier={p.name: d for p in assembly.cuboids if (d := _own_density(p, joint))},
+        heavier={
+            piece.name: density
+            for piece in assembly.cuboids
+            for density in [piece.mass / math.prod(piece.size.tolist())]
+            if not math.isclose(density, joint.density)
+        },
         pressed=_pressed(assembly, loads),
         corners=_corners(assembly, loads, increment),
         ratio=RATIO,
         cycles=CYCLES,
     )
-
-
-def _own_density(piece: Cuboid, joint: Joint) -> float | None:
-    """Density (kg/m3) of a piece if it is not that of the joint."""
-    density = piece.mass / math.prod(piece.size.tolist())
-    return None if math.isclose(density, joint.density) else density
 
 
 def _pressed(assembly: Assembly, loads: Loads) -> list[dict[str, Any]]:

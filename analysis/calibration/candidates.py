@@ -13,9 +13,8 @@ That 3DEC, whose friction is an angle in degrees, was given 0.3 is a hypothesis,
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -37,8 +36,7 @@ ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
 SIZE_COLUMNS = ("a_m", "b_m", "h_m", "H_m")
 
 
-@dataclass(frozen=True)
-class Trial:
+class Trial(NamedTuple):
     """A geometry, and the friction coefficient of the dry faces."""
 
     geometry: Geometry
@@ -125,57 +123,6 @@ def engine_study(
 Place = tuple[int, float]  # number of locks, mesh (m)
 
 
-@dataclass(frozen=True)
-class CandidateMisfit:
-    """Differences of peaks and weights in pure shear from the published ones.
-
-    ``swapped``, ``printed``: root mean square of the differences over their scales, with the
-    weights of the first two locks in each order. ``peak``: largest relative difference of a peak;
-    ``weight``: largest difference of a weight, swapped.
-    """
-
-    swapped: float
-    printed: float
-    peak: float
-    weight: float
-
-    @property
-    def fits(self) -> bool:
-        """Whether all peaks and weights, the first two swapped, are within the targets."""
-        return self.peak <= PEAK_AIM and self.weight <= WEIGHT_AIM
-
-    @classmethod
-    def of(
-        cls,
-        peaks: Mapping[Place, float],
-        weights: Mapping[Place, Sequence[float]],
-        published: Published,
-    ) -> "CandidateMisfit":
-        """Misfit of peaks (N) and weights, by number of locks and mesh.
-
-        Every peak counts. The paper does not give the mesh of its weights: those at the finest one
-        count in the misfit, and those at all meshes in the largest difference.
-        """
-        finest = min(mesh for _, mesh in peaks)
-        relative = [peak / published_peak(published, *at) - 1.0 for at, peak in peaks.items()]
-        orders: dict[str, list[float]] = {"swapped": [], "printed": []}
-        largest = 0.0
-        for (locks, mesh), computed in weights.items():
-            first, second, *others = published.numbers["weights"][locks]
-            swapped = np.subtract(computed, [second, first, *others])
-            largest = max(largest, float(np.abs(swapped).max()))
-            if mesh == finest:
-                orders["swapped"] += (swapped / WEIGHT_SCALE).tolist()
-                printed = np.subtract(computed, [first, second, *others])
-                orders["printed"] += (printed / WEIGHT_SCALE).tolist()
-        scaled = [difference / PEAK_SCALE for difference in relative]
-        means = {
-            name: float(np.sqrt(np.mean(np.square([*scaled, *differences]))))
-            for name, differences in orders.items()
-        }
-        return cls(**means, peak=float(np.abs(relative).max()), weight=largest)
-
-
 def published_peak(published: Published, locks: int, mesh: float) -> float:
     """The published peak (N); `ConfigError` if there is none for this mesh (m)."""
     value = published.dem_pure_shear(locks, mesh)
@@ -221,13 +168,35 @@ def misfit_columns(
     weights: Mapping[Place, Sequence[float]],
     published: Published,
 ) -> dict[str, Any]:
-    """Misfits, peaks, and weights at the finest mesh, as columns of a table."""
-    misfit = CandidateMisfit.of(peaks, weights, published)
+    """Misfits of peaks (N) and weights, by number of locks and mesh, and both, as columns.
+
+    ``misfit_swapped``, ``misfit_printed``: root mean square of the differences from the published
+    ones over their scales, with the weights of the first two locks in each order. Every peak
+    counts. The paper does not give the mesh of its weights: those at the finest one count in the
+    misfit, and those at all meshes in the largest difference, swapped. ``fits``: whether all
+    differences are within the targets.
+    """
     finest = min(mesh for _, mesh in peaks)
+    relative = [peak / published_peak(published, *at) - 1.0 for at, peak in peaks.items()]
+    orders: dict[str, list[float]] = {"swapped": [], "printed": []}
+    largest = 0.0
+    for (locks, mesh), computed in weights.items():
+        first, second, *others = published.numbers["weights"][locks]
+        swapped = np.subtract(computed, [second, first, *others])
+        largest = max(largest, float(np.abs(swapped).max()))
+        if mesh == finest:
+            orders["swapped"] += (swapped / WEIGHT_SCALE).tolist()
+            printed = np.subtract(computed, [first, second, *others])
+            orders["printed"] += (printed / WEIGHT_SCALE).tolist()
+    scaled = [difference / PEAK_SCALE for difference in relative]
+    farthest = float(np.abs(relative).max())
     return (
-        {"misfit_swapped": misfit.swapped, "misfit_printed": misfit.printed}
-        | {"largest_peak_difference": misfit.peak, "largest_weight_difference": misfit.weight}
-        | {"fits": misfit.fits}
+        {
+            f"misfit_{name}": float(np.sqrt(np.mean(np.square([*scaled, *differences]))))
+            for name, differences in orders.items()
+        }
+        | {"largest_peak_difference": farthest, "largest_weight_difference": largest}
+        | {"fits": farthest <= PEAK_AIM and largest <= WEIGHT_AIM}
         | {f"peak_n{locks}_mesh{mesh:g}_N": peak for (locks, mesh), peak in peaks.items()}
         | {
             f"weight_n{locks}_lock{lock}": weight
@@ -271,13 +240,7 @@ def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:
         ordered = curve.sort_values("eccentricity_over_a")
         points = ordered[["shear_N", "torque_Nm"]].to_numpy()
         joint = study.joint(str(sample))
-        parts = TwoParts.of(points)
-        shape = {
-            "turn_from_shear": parts.turn,
-            "slope_near_shear": parts.slopes[0],
-            "slope_near_torsion": parts.slopes[1],
-            "residual": parts.residual,
-        }
+        shape = two_parts(points)
         sizes = size_columns(geometry_of(joint))
         names = {"candidate": str(sample).partition("_")[0], "friction": joint.dry.friction}
         rows += [
@@ -349,34 +312,25 @@ def check(study: Study, published: Published) -> list[int]:
     return locks
 
 
-@dataclass(frozen=True)
-class TwoParts:
-    """A curve as two straight parts, in V and M over their largest values.
+def two_parts(points: Floats) -> dict[str, float]:
+    """The closest two straight parts to ``points`` (V, M) from pure shear on, (N, 2), as columns.
 
-    ``turn``: share of the curve's length, from pure shear on, where they meet; ``slopes``: -dM/dV
-    of both; ``residual``: root mean square distance from the curve.
+    In V and M over their largest values. ``turn_from_shear``: share of the curve's length where
+    they meet; ``slope_…``: -dM/dV of both; ``residual``: root mean square distance from the curve.
     """
-
-    turn: float
-    slopes: tuple[float, float]
-    residual: float
-
-    @classmethod
-    def of(cls, points: Floats) -> "TwoParts":
-        """The closest two straight parts to ``points`` (V, M) from pure shear on, (N, 2)."""
-        scaled = points / points.max(axis=0)
-        length = length_along(scaled)
-        place = length / length[-1]
-        fits = []
-        for turn in np.linspace(0.1, 0.9, 81):
-            base = np.column_stack([np.interp(place, [0.0, turn, 1.0], row) for row in np.eye(3)])
-            knots = np.linalg.lstsq(base, scaled, rcond=None)[0]
-            residual = float(np.sqrt(np.mean(np.sum((base @ knots - scaled) ** 2, axis=1))))
-            fits.append((residual, float(turn), knots))
-        residual, turn, knots = min(fits, key=lambda fit: fit[0])
-        first, second = np.diff(knots, axis=0)
-        slopes = (float(-first[1] / first[0]), float(-second[1] / second[0]))
-        return cls(turn, slopes, residual)
+    scaled = points / points.max(axis=0)
+    length = length_along(scaled)
+    place = length / length[-1]
+    fits = []
+    for turn in np.linspace(0.1, 0.9, 81):
+        base = np.column_stack([np.interp(place, [0.0, turn, 1.0], row) for row in np.eye(3)])
+        knots = np.linalg.lstsq(base, scaled, rcond=None)[0]
+        residual = float(np.sqrt(np.mean(np.sum((base @ knots - scaled) ** 2, axis=1))))
+        fits.append((residual, float(turn), knots))
+    residual, turn, knots = min(fits, key=lambda fit: fit[0])
+    near_shear, near_torsion = (float(-part[1] / part[0]) for part in np.diff(knots, axis=0))
+    slopes = {"slope_near_shear": near_shear, "slope_near_torsion": near_torsion}
+    return {"turn_from_shear": turn, **slopes, "residual": residual}
 
 
 def length_along(points: Floats) -> Floats:

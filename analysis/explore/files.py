@@ -129,11 +129,8 @@ def _written(file: Mapping[str, Any], folder: Path) -> Path:
 def _main(paths: Sequence[Path]) -> list[Path]:
     """The files that have the blocks."""
     lists = [path for path in paths if path.suffix.lower() in YAML]
-    with_blocks = [path for path in lists if _has_blocks(path)]
+    with_blocks = [
+        path for path in lists if isinstance(given := read_yaml(path), dict) and "blocks" in given
+    ]
     others = [path for path in paths if path not in lists]
     return with_blocks or others or lists[:1]
-
-
-def _has_blocks(path: Path) -> bool:
-    given = read_yaml(path)
-    return isinstance(given, dict) and "blocks" in given

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
@@ -66,14 +66,14 @@ def headings(tables: Mapping[str, pd.DataFrame]) -> dict[str, list[dict[str, Any
 def words(tables: Mapping[str, pd.DataFrame]) -> dict[str, dict[str, str]]:
     """Names of models, options, rules and published numbers in words, column by column."""
     return {
-        column: {name: spelled(name) for name in _values(column, tables.values())}
+        column: {
+            str(name): spelled(str(name))
+            for table in tables.values()
+            if column in table
+            for name in table[column].dropna().unique()
+        }
         for column, spelled in NAMED.items()
     }
-
-
-def _values(column: str, tables: Iterable[pd.DataFrame]) -> list[str]:
-    held = [table[column].dropna().unique() for table in tables if column in table]
-    return list(dict.fromkeys(str(value) for values in held for value in values))
 
 
 def _title(column: str) -> str:

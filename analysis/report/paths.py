@@ -56,7 +56,7 @@ def path_of(case: JointCase) -> dict[str, Any] | None:
     displacement and rotation (m, rad).
     """
     subject = case.subject
-    joint = subject.joint
+    joint, ratio = subject.joint, subject.direction.eccentricity
     try:
         problem = subject.problem()
         solution = lowest_peak(*problem)
@@ -73,11 +73,11 @@ def path_of(case: JointCase) -> dict[str, Any] | None:
         "case": subject.key,
         "sample": subject.sample,
         "mesh": subject.mesh,
-        "eccentricity": _spelled(subject.direction.eccentricity),
+        "eccentricity": "torsion" if np.isinf(ratio) else f"{ratio:g}",
         "push": 1 if subject.loading.push is Push.PLUS_Y else -1,
         "first": float(f"{solution.first_failure_load:.6g}"),
         "curve": [_point(point) for point in path],
-        "behind": _behind(problem, path[-1], sum(map(len, nodes)), subject.direction.eccentricity),
+        "behind": _behind(problem, path[-1], sum(map(len, nodes)), ratio),
         "faces": [
             {
                 "lock": numbers[assembly.faces[index].name],
@@ -146,7 +146,3 @@ def _fails_from(path: Sequence[Equilibrium], nodes: Integers) -> float | None:
 
 def _rounded(values: Floats, digits: int = DIGITS) -> list[float]:
     return [float(f"{value:.{digits}g}") for value in values]
-
-
-def _spelled(ratio: float) -> str:
-    return "torsion" if np.isinf(ratio) else f"{ratio:g}"

@@ -218,7 +218,11 @@ def _half(
     yield Question(
         "Is it safe to count (n - 1) / 2 of the n locks of a joint?",
         f"No: unsafe by {' and by '.join(unsafe)}" if unsafe else "Yes, for these joints",
-        {error.sample: _verdict(error) for error in errors},
+        {
+            error.sample: ("safe" if error.safe else f"unsafe by {percent(error.error)}")
+            + f" ({option_name(str(error.option))})"
+            for error in errors
+        },
         "(n - 1) / 2 locks",
     )
 
@@ -239,11 +243,6 @@ def worst_by_friction(
     (first,), (other,) = worst_of(printed), worst_of(others)
     found = {" with the friction as printed": first}
     return found | ({" with another friction": other} if other.error > first.error else {})
-
-
-def _verdict(error: RuleError) -> str:
-    verdict = "safe" if error.safe else f"unsafe by {percent(error.error)}"
-    return f"{verdict} ({option_name(str(error.option))})"
 
 
 def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:

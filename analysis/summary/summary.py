@@ -273,11 +273,13 @@ def _fits(
                 continue
             row = winner(rows, sample, mesh)
             friction = "friction" if row["friction"] else "no friction"
+            mesh_error = row["largest_mesh_error"]
+            within = "" if pd.isna(mesh_error) else f" (mesh error up to {percent(mesh_error)})"
             yield (
                 f"  {model} {sample}, {words + ':':17}{row['option']}, {friction}, "
                 f"{row['reduction']}: misfit {percent(row['misfit'])}, unsafe by up to "
                 f"{percent(row['largest_unsafe_error'])}, safe by up to "
-                f"{percent(row['largest_safe_error'])}{_within(row['largest_mesh_error'])}"
+                f"{percent(row['largest_safe_error'])}{within}"
             )
     for row in best[best["friction"] == False].itertuples():  # noqa: E712
         yield (
@@ -285,10 +287,6 @@ def _fits(
             f"{row.distance_over_a:.3f} a, {row.locks_that_count:.2f} locks count: misfit "
             f"{100 * float(row.misfit):.1f} %"
         )
-
-
-def _within(mesh_error: float) -> str:
-    return "" if pd.isna(mesh_error) else f" (mesh error up to {100 * mesh_error:.1f} %)"
 
 
 def _variants(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:

@@ -149,9 +149,10 @@ def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> 
     carried = carried.merge(sums[[*keys, "lower_weight_sum"]], on=keys, how="left", validate="1:1")
     rows = []
     names = ["variant", "sample", "model", "mesh_m"]
+    unknown = dict.fromkeys(("option", *(each.name for each in fields(LoadErrors))))
     for (variant, sample, *_), curve in carried.groupby(names, sort=False):
         joint = study.joint(str(sample), study.every_variant[str(variant)])
-        fit = _best_option(promised, curve)
+        fit = min(_errors(promised, curve), key=lambda each: each["misfit"], default=unknown)
         described = curve.assign(
             failure=str(joint.failure),
             upper_body=str(joint.upper_body),
@@ -166,12 +167,6 @@ def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> 
     if not rows:
         return pd.DataFrame(columns=list(VARIANTS.columns))
     return pd.concat(rows, ignore_index=True)
-
-
-def _best_option(promised: pd.DataFrame, curve: pd.DataFrame) -> dict[str, object]:
-    """The option that fits ``curve`` best, and its errors; empty if there is none."""
-    unknown = dict.fromkeys(("option", *(each.name for each in fields(LoadErrors))))
-    return min(_errors(promised, curve), key=lambda each: each["misfit"], default=unknown)
 
 
 def _errors(promised: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, Any]]:

@@ -154,8 +154,9 @@ def assumed_sizes_table(base: Joint) -> pd.DataFrame:
         joint = replace(base, locks=locks, dry=replace(base.dry, friction=friction))
         working = np.array(
             [
-                _working(_sized(joint, *sizes))
-                for sizes in product(SLENDERNESS, HEIGHTS, BODY_HEIGHTS)
+                _working(replace(joint, a=ratio * b, b=b, h=h * b, H=height * b))
+                for ratio, h, height in product(SLENDERNESS, HEIGHTS, BODY_HEIGHTS)
+                for b in [(AREA / ratio) ** 0.5]  # a b is as printed
             ]
         )
         half = (locks - 1) / 2
@@ -173,12 +174,6 @@ def assumed_sizes_table(base: Joint) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
-
-
-def _sized(joint: Joint, slenderness: float, height: float, body: float) -> Joint:
-    """``joint`` with other a / b, h / b and H / b, and a b as printed."""
-    b = (AREA / slenderness) ** 0.5
-    return replace(joint, a=slenderness * b, b=b, h=height * b, H=body * b)
 
 
 def _working(joint: Joint) -> float:

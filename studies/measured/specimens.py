@@ -11,6 +11,7 @@ quantiles, for scattering strengths of the locks (`sidmacib.rule.reliability`).
 import argparse
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,7 +29,7 @@ REFERENCE_LOCKS = 3  # locks of the joint that others are compared with
 LOCKS = (5, 7, 9, 11)
 RATIOS = (0.0, 0.5, math.inf)  # e / a
 VARIATION = 0.2  # of the locks' strengths, standard deviation over mean
-YOUNG = 1e10  # Pa, of the one piece
+WHOLE = Joint(3, upper_body=UpperBody.MONOLITHIC, elastic=Elastic(1e10))  # one piece that bends; Pa
 SIGNIFICANCE, POWER = 0.05, 0.8  # of the test: of deciding without a difference, and with one
 LEAST = 3  # specimens: fewer tell nothing of their scatter
 SPECIMENS = Table(
@@ -65,7 +66,10 @@ def rows() -> Iterator[tuple[float, ...]]:
     """A row of `SPECIMENS` for each number of locks and eccentricity."""
     for locks in LOCKS:
         for ratio in RATIOS:
-            loads = {n: _loads(n, Direction(ratio)) for n in (REFERENCE_LOCKS, locks)}
+            loads = {
+                n: [_load(joint, Direction(ratio)) for joint in (Joint(n), replace(WHOLE, locks=n))]
+                for n in (REFERENCE_LOCKS, locks)
+            }
             columns, whole = (
                 many.mean / three.mean
                 for three, many in zip(loads[REFERENCE_LOCKS], loads[locks], strict=True)
@@ -74,12 +78,6 @@ def rows() -> Iterator[tuple[float, ...]]:
             deviation = math.hypot(*(max(one.deviation for one in each) for each in loads.values()))
             count = specimens(math.log(whole / columns), deviation)
             yield locks, ratio, columns, whole, deviation, count
-
-
-def _loads(locks: int, direction: Direction) -> tuple[Load, Load]:
-    """Loads of columns, and of one piece that bends."""
-    whole = Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=Elastic(YOUNG))
-    return _load(Joint(locks), direction), _load(whole, direction)
 
 
 def _load(joint: Joint, direction: Direction) -> Load:

@@ -82,7 +82,3 @@ class StructurePart:
 
 PART = StructurePart
 StructureRecord = Record[StructurePart]
-
-
-def _name(assembly: Assembly, face: int | None) -> str | None:
-    return None if face is None else assembly.faces[face].name

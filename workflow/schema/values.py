@@ -34,14 +34,10 @@ def eccentricity(value: Any) -> float:
         ) from None
 
 
-def _spelled(value: float) -> float | str:
-    return "torsion" if math.isinf(value) else value
-
-
 Eccentricity = Annotated[
     float,
     BeforeValidator(eccentricity, json_schema_input_type=Literal["torsion"] | NotNegative),
-    PlainSerializer(_spelled, when_used="json"),
+    PlainSerializer(lambda value: "torsion" if math.isinf(value) else value, when_used="json"),
 ]
 
 
