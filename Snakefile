@@ -53,8 +53,6 @@ if STUDY.samples:
         *rules.capacity.output,
         *rules.comparisons.output,
         *rules.figures.output,
-        *rules.summary.output,
-        *rules.complete.output,
     ]
 
 
@@ -69,7 +67,7 @@ if STUDY.samples or STUDY.structures:
 
     include: "analysis/rules/report.smk"
 
-    STUDY_FILES += rules.report.output
+    STUDY_FILES += [*rules.summary.output, *rules.complete.output, *rules.report.output]
 
 
 if STUDY.samplings:

@@ -132,8 +132,10 @@ def interfaces_mesh(assembly: Assembly, rows: Sequence[InterfaceRow]) -> meshio.
         cells.append(_cell(_polygon(len(face.corners)), sum(map(len, points)), len(face.corners)))
         points.append(face.corners)
     known: Sequence[InterfaceRow | None] = rows or [None] * len(cells)
-    data = {  # a block of cells for each
-        name: [np.array([_number(row, name)]) for row in known] for name in NUMBERS
+    # A block of cells for each; None becomes nan.
+    data = {
+        name: [np.array([getattr(row, name, None)], dtype=float) for row in known]
+        for name in NUMBERS
     }
     return meshio.Mesh(np.vstack(points), cells, cell_data=data)
 
@@ -145,11 +147,6 @@ def _polygon(corners: int) -> str:
 def _cell(kind: str, first: int, corners: int) -> Cell:
     """A cell of so many ``corners``, whose points begin with the ``first``."""
     return kind, np.arange(first, first + corners).reshape(1, -1)
-
-
-def _number(row: InterfaceRow | None, name: str) -> float:
-    value = None if row is None else getattr(row, name)
-    return float("nan") if value is None else float(value)
 
 
 def _collection(path: Path, files: list[tuple[float, str]]) -> Path:

@@ -286,5 +286,5 @@ def solved_study(made_once: Callable[..., Path]) -> tuple[Study, Path]:
 def structures_study(made_once: Callable[..., Path]) -> Path:
     """Results of structures beside a joint, but figures."""
     vtk = "structures/vtk/trilith-load-static-blocks.vtu"  # made with all others
-    targets = ".structures_complete", "report.html", vtk
+    targets = ".complete", "report.html", vtk
     return made_once("structures", lambda to: run_study(WITH_STRUCTURES, to, *targets))

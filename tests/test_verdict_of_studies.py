@@ -118,8 +118,8 @@ def test_the_summary_and_the_report_of_a_run_begin_with_the_verdict(tmp_path: Pa
     file = tmp_path / "file.yaml"
     file.write_text(yaml.safe_dump(DEMANDED["cases"], sort_keys=False))
     said = run("assembly", str(file)).output.splitlines()[0]
-    run_study(study_of(DEMANDED["cases"]), tmp_path / "results", "structures.txt", "report.html")
-    assert f"it: {said}\n" in (tmp_path / "results/structures.txt").read_text()
+    run_study(study_of(DEMANDED["cases"]), tmp_path / "results", "summary.txt", "report.html")
+    assert f"it: {said}\n" in (tmp_path / "results/summary.txt").read_text()
     assert said in html.unescape((tmp_path / "results/report.html").read_text())
     table = read_table(VERDICTS, tmp_path / "results/tables/verdicts.csv")
     assert table["governs"].tolist() == [False, False, True]

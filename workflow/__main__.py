@@ -29,10 +29,6 @@ from workflow.consistency import notes
 from workflow.jobs import case_jobs
 from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
 
-SUMMARIES = {  # and the marks that nothing is missing, whose logs show that they were written
-    "summary.txt": "complete",
-    "structures.txt": "structures_complete",
-}
 MANY = 5000  # cases, which take a while to plan
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
 RETRY = "RETRY"  # in the environment: try all cases without a result again
@@ -49,13 +45,11 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
         forget_failures(Path(study.results), every=bool(os.environ.get(RETRY)))
     started = time.time()
     whole = snakemake(config, study.results, options=options)
-    for name, mark in SUMMARIES.items():
-        summary, log = Path(study.results, name), Path(study.results, f"logs/{mark}.log")
-        ours = whole or (log.is_file() and log.stat().st_mtime > started)
-        asked = study.samples if mark == "complete" else study.structures
-        if ours and asked and summary.is_file():
-            print(summary.read_text(), end="")
-    if whole and study.structures and not study.samples:  # the summary of joints names it
+    # The log of what follows the summary shows whether this run has come so far.
+    log = Path(study.results, "logs/complete.log")
+    if whole or (log.is_file() and log.stat().st_mtime > started):
+        print(Path(study.results, "summary.txt").read_text(), end="")
+    if whole and not study.samples:  # the summary of joints names it
         print(f"Report: {study.results}/{REPORT}")
     return None if whole else f"{study.results}: the study is incomplete, see above"
 

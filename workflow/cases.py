@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
+from typing import NamedTuple
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine
@@ -204,8 +205,7 @@ def _near(name: str, names: set[str]) -> str:
     return f"it must be a case of the study, such as {', '.join(close)}"
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """The sample, mesh, direction and variant of a case, for any model; ``ratio`` is e / a."""
 
     sample: str
@@ -216,14 +216,13 @@ class Place:
 
 def find_place(study: Study, name: str) -> Place:
     """The place of the case ``name``; raises `ConfigError`."""
-    places: dict[str, Place] = {}
-    for sample, (variant, change) in product(study.samples, study.every_variant.items()):
-        meshes, ratios = (
-            change.meshes or study.meshes,
-            change.eccentricities or study.eccentricities,
-        )
-        for mesh, ratio in product(meshes, ratios):
-            places[case_name(sample, mesh, ratio, variant)] = Place(sample, mesh, ratio, variant)
+    places = {
+        case_name(*place): place
+        for sample, (variant, change) in product(study.samples, study.every_variant.items())
+        for mesh in change.meshes or study.meshes
+        for ratio in change.eccentricities or study.eccentricities
+        for place in [Place(sample, mesh, ratio, variant)]
+    }
     if name not in places:
         raise CallError(f"CASE: {shown(name)} is not a case; {_near(name, set(places))}")
     return places[name]

@@ -7,7 +7,7 @@ much the next time.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,15 @@ from sidmacib.engines import ENGINES
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.model import Ability
 from sidmacib.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
-from workflow.case import Case, CaseId, JointCase, JointSubject, StructureCase, case_name
+from workflow.case import (
+    Case,
+    CaseId,
+    JointCase,
+    JointSubject,
+    StructureCase,
+    StructureSubject,
+    case_name,
+)
 from workflow.cases import cases_of, second_mesh, structure_cases
 from workflow.consistency import node_estimate
 from workflow.schema import Study
@@ -76,35 +84,23 @@ def case_jobs(study: Study) -> CaseJobs:
     structures = {case.id: case for case in of_structures}
     every = [*joints.values(), *reference_cases(joints.values())]
     both: list[Case[Any]] = [*every, *of_structures]
+    solved: dict[str, tuple[Case[Any], ...]] = {
+        f"{JointSubject.kind}/{model}/{name}": tuple(batch)
+        for model in SOLVED
+        for name, batch in batches([case for case in every if case.model == model]).items()
+    }
+    for case in of_structures:
+        if case.model in SOLVED:
+            folder = f"{StructureSubject.kind}/{case.model}/{case.subject.structure}"
+            solved[folder] = (*solved.get(folder, ()), case)
     return CaseJobs(
         joints,
         structures,
         {case.folder: case for case in both if case.model in ENGINES},
-        {**dict(_batches_of_joints(every)), **_batches_of_structures(structures.values())},
+        solved,
         {case.folder: case for case in every if case.model in RETURNED},
         of_decks,
     )
-
-
-def _batches_of_joints(cases: Iterable[JointCase]) -> Iterator[tuple[str, tuple[JointCase, ...]]]:
-    solved: dict[str, list[JointCase]] = {}
-    for case in cases:
-        if case.model in SOLVED:
-            solved.setdefault(case.model, []).append(case)
-    for model, of_model in solved.items():
-        for name, batch in batches(of_model).items():
-            yield f"{batch[0].subject.kind}/{model}/{name}", tuple(batch)
-
-
-def _batches_of_structures(
-    cases: Iterable[StructureCase],
-) -> dict[str, tuple[StructureCase, ...]]:
-    found: dict[str, tuple[StructureCase, ...]] = {}
-    for case in cases:
-        if case.model in SOLVED:
-            folder = f"{case.subject.kind}/{case.model}/{case.subject.structure}"
-            found[folder] = (*found.get(folder, ()), case)
-    return found
 
 
 def reference_cases(cases: Iterable[JointCase]) -> list[JointCase]:

@@ -21,8 +21,6 @@ from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_weights
-from sidmacib.mechanics.assembly import Assembly
-from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.rule import RULES, LawCapacity, first_failure, law, require_covered
 
 SYMBOLS = {"law": "x", "safe": "star"}
@@ -82,7 +80,15 @@ def peak(joint: Joint, ratio: float) -> Peak | None:
     Of pieces that bend, where it takes minutes, the law's first failure; None where it refuses.
     """
     direction = Direction(ratio)
-    return _peak(joint, direction) if joint.elastic is None else _first_failure(joint, direction)
+    if joint.elastic is not None:
+        return _first_failure(joint, direction)
+    try:
+        assembly, solution = quick_path(joint, Loading(direction))
+    except CapacityError:
+        return None
+    load, weights = float(solution.peak.load), lock_weights(joint, assembly, solution.peak.force)
+    shares = tuple(Share(each.lock, each.block, each.weight) for each in weights)
+    return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
 
 
 def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
@@ -118,23 +124,6 @@ def which_counts(state: Settings) -> Counted:
     words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
     legend = f" (spread {spread:.1f} % at {state.eccentricity:g} a)"
     return Counted(shear, legend, words, found.why)
-
-
-def _peak(joint: Joint, direction: Direction) -> Peak | None:
-    try:
-        assembly, solution = quick_path(joint, Loading(direction))
-    except CapacityError:
-        return None
-    return _at(joint, direction, assembly, solution.peak)
-
-
-def _at(joint: Joint, direction: Direction, assembly: Assembly, state: Equilibrium) -> Peak:
-    load = float(state.load)
-    shares = tuple(
-        Share(each.lock, each.block, each.weight)
-        for each in lock_weights(joint, assembly, state.force)
-    )
-    return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
 
 
 def answers(state: Settings) -> Answers:

@@ -48,7 +48,6 @@ SCRIPTS_OF_PARTS = {  # each part has a template, too
     "structures": (DRAWING / "structure.js", HERE / "structures.js"),
 }
 ADDRESS = DRAWING / "address.js"  # the last one
-SUMMARIES = ("summary", "structure_summary")
 SECTIONS = {  # of each part, as in its template
     "joints": (
         ("stresses", "Load\N{EN DASH}displacement"),
@@ -93,7 +92,7 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the page from the tables that it has in full, and the summaries.
+    """Write the page from the tables that it has in full, and the summary.
 
     ``arguments``: ``study`` as JSON, None without joints; ``structures``: the sections of that name
     as JSON, None without any; ``cases``: one of each structure, load and variant;
@@ -105,13 +104,12 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     tables = {
         name: read_table(getattr(forms, name.upper()), path)
         for name, path in inputs.items()
-        if name not in SUMMARIES
+        if name != "summary"
     }
     cases = [StructureCase.from_json(text) for text in arguments["cases"]]
     data = content(study, tables, cases, outputs["page"].parent)
     configuration = as_yaml(json.loads(arguments["configuration"]))
-    summaries = [inputs[name].read_text() for name in SUMMARIES if name in inputs]
-    outputs["page"].write_text(page(data, configuration, "\n".join(summaries)))
+    outputs["page"].write_text(page(data, configuration, inputs["summary"].read_text()))
 
 
 def content(

@@ -1,4 +1,4 @@
-# Joints: tables from the results of the cases, figures and summary; check that every case has a result.
+# Joints: tables from the results of the cases, and figures.
 from analysis.figures import drawn_files, figures_of
 
 PUBLISHED = ("analysis/published.yaml",)
@@ -98,51 +98,13 @@ rule figures:
         "../figures/draw.py"
 
 
-rule summary:
-    input:
-        validation=rules.comparisons.output.validation,
-        fit=rules.comparisons.output.fit,
-        best_fit=rules.comparisons.output.best_fit,
-        capacity=rules.capacity.output.capacity,
-        cases=rules.collect.output.cases,
-    output:
-        summary=below("summary.txt"),
-    log:
-        below("logs/summary.log"),
-    group:
-        "tables"
-    params:
-        results=lambda wildcards: STUDY.results,
-        meshes=STUDY.meshes,
-        ductile=[
-            name
-            for name, change in STUDY.every_variant.items()
-            if change.assembly(STUDY.assembly).failure == "ductile"
-        ],
-        code=code("analysis.summary.summary"),
-    message:
-        "Write the summary"
-    script:
-        "../summary/summary.py"
-
-
-# Not in a group: a failing group loses all its outputs, and this rule fails if a case has no result.
-rule complete:
-    input:
-        cases=rules.collect.output.cases,
-        summary=rules.summary.output.summary,
-    output:
-        mark=below(".complete"),
-    log:
-        below("logs/complete.log"),
-    params:
-        code=code("analysis.summary.summary"),
-    message:
-        "Check that every case has a result"
-    script:
-        "../summary/summary.py"
-
-
+SUMMARY_INPUTS |= {
+    "validation": rules.comparisons.output.validation,
+    "fit": rules.comparisons.output.fit,
+    "best_fit": rules.comparisons.output.best_fit,
+    "capacity": rules.capacity.output.capacity,
+    "cases": rules.collect.output.cases,
+}
 REPORT_INPUTS |= {
     "validation": rules.comparisons.output.validation,
     "capacity": rules.capacity.output.capacity,
@@ -151,5 +113,4 @@ REPORT_INPUTS |= {
     "fit": rules.comparisons.output.fit,
     "best_fit": rules.comparisons.output.best_fit,
     "variants": rules.comparisons.output.variants,
-    "summary": rules.summary.output.summary,
 }

@@ -1,4 +1,5 @@
-# The report of a study: its joints and structures, from the inputs that other rules have added.
+# The summary and the report of joints and structures, from the inputs that other rules have added; check that every
+# case has a result.
 from workflow.command import REPORT
 
 PAGE_FILES = (
@@ -15,9 +16,51 @@ SHOWN_STRUCTURES = {  # one case of each, whatever its model
 }
 
 
+rule summary:
+    input:
+        **SUMMARY_INPUTS,
+    output:
+        summary=below("summary.txt"),
+    log:
+        below("logs/summary.log"),
+    group:
+        "tables"
+    params:
+        results=lambda wildcards: STUDY.results,
+        meshes=STUDY.meshes,
+        ductile=[
+            name
+            for name, change in STUDY.every_variant.items()
+            if change.assembly(STUDY.assembly).failure == "ductile"
+        ],
+        code=code("analysis.summary.summary"),
+    message:
+        "Write the summary"
+    script:
+        "../summary/summary.py"
+
+
+# Not in a group: a failing group loses all its outputs, and this rule fails if a case has no result.
+rule complete:
+    input:
+        **{name: path for name, path in SUMMARY_INPUTS.items() if name in ("cases", "structures")},
+        summary=rules.summary.output.summary,
+    output:
+        mark=below(".complete"),
+    log:
+        below("logs/complete.log"),
+    params:
+        code=code("analysis.summary.summary"),
+    message:
+        "Check that every case has a result"
+    script:
+        "../summary/summary.py"
+
+
 rule report:
     input:
         **REPORT_INPUTS,
+        summary=rules.summary.output.summary,
     output:
         page=shown(REPORT),
     log:

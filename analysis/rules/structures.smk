@@ -1,4 +1,4 @@
-# Included if the study has structures: their tables, files for ParaView and summary.
+# Included if the study has structures: their tables and files for ParaView.
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
 from workflow.cases import support_cases
@@ -75,53 +75,12 @@ rule supports:
         "../tables/structures.py"
 
 
-rule structure_summary:
-    input:
-        **(dict(rules.supports.output.items()) if MOVING_SUPPORTS else {}),
-        **({"verdicts": rules.structure_tables.output.verdicts} if DEMANDED else {}),
-        structures=rules.structure_tables.output.structures,
-    output:
-        summary=below("structures.txt"),
-    log:
-        below("logs/structure_summary.log"),
-    group:
-        "tables"
-    params:
-        results=lambda wildcards: STUDY.results,
-        code=code("analysis.summary.structures"),
-    message:
-        "Write the summary of the structures"
-    script:
-        "../summary/structures.py"
-
-
-# Not in a group, for the same reason as the rule `complete` of joints.
-rule structures_complete:
-    input:
-        structures=rules.structure_tables.output.structures,
-        summary=rules.structure_summary.output.summary,
-    output:
-        mark=below(".structures_complete"),
-    log:
-        below("logs/structures_complete.log"),
-    params:
-        code=code("analysis.summary.summary"),
-    message:
-        "Check that every structure has a result"
-    script:
-        "../summary/summary.py"
-
-
-STRUCTURE_FILES = [
-    *rules.structure_tables.output,
-    *rules.structure_vtk.output,
-    *rules.structure_summary.output,
-    *rules.structures_complete.output,
-]
-REPORT_INPUTS |= {
-    **dict(rules.structure_tables.output.items()),
-    "structure_summary": rules.structure_summary.output.summary,
-}
+STRUCTURE_FILES = [*rules.structure_tables.output, *rules.structure_vtk.output]
+SUMMARY_INPUTS["structures"] = rules.structure_tables.output.structures
+if DEMANDED:
+    SUMMARY_INPUTS["verdicts"] = rules.structure_tables.output.verdicts
+REPORT_INPUTS |= dict(rules.structure_tables.output.items())
 if MOVING_SUPPORTS:
     STRUCTURE_FILES += rules.supports.output
+    SUMMARY_INPUTS |= dict(rules.supports.output.items())
     REPORT_INPUTS |= dict(rules.supports.output.items())

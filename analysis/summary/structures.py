@@ -10,8 +10,6 @@ from sidmacib.answers.verdict import Verdict, on_all
 from sidmacib.engines.agreement import disagreement
 from sidmacib.problem import FIRST_FAILURE, Failures
 from workflow.case import REFERENCE
-from workflow.results.tables import STRUCTURES, SUPPORTS, VERDICTS, read_table
-from workflow.step import Arguments, Files, step
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
@@ -135,15 +133,3 @@ def _with_unit(row: Mapping[str, Any], load: str, tilt: str) -> str:
     if pd.notna(row["tilt_degrees"]):
         return f"{row[tilt]:.5g} degrees"
     return f"{row[load]:.5g} N"
-
-
-def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the summary."""
-    rows = read_table(STRUCTURES, inputs["structures"])
-    supports = read_table(SUPPORTS, inputs["supports"]) if "supports" in inputs else None
-    verdicts = read_table(VERDICTS, inputs["verdicts"]) if "verdicts" in inputs else None
-    outputs["summary"].write_text(summary(arguments["results"], rows, supports, verdicts))
-
-
-if __name__ == "__main__":
-    step(run)

@@ -1,7 +1,6 @@
-"""The summary of a study in words: how the results compare, where they are, and what is missing."""
+"""The summary of a study in words: how results compare, where they are, and what is missing."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,6 +18,7 @@ from analysis.summary import (
     percent,
     ratios,
 )
+from analysis.summary.structures import summary as structures_summary
 from analysis.tables import winner
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
@@ -29,8 +29,9 @@ from workflow.results.tables import (
     CASES,
     FIT,
     STRUCTURES,
+    SUPPORTS,
     VALIDATION,
-    Table,
+    VERDICTS,
     read_table,
 )
 from workflow.step import Arguments, Files, step
@@ -315,30 +316,32 @@ def _change(sample: object, rows: pd.DataFrame) -> str:
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the summary."""
-    kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
-    tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in kinds}
-    text = summary(arguments["results"], tables, arguments["meshes"], arguments["ductile"])
-    outputs["summary"].write_text(text)
+    """Write the summary of joints, then that of structures, if there are any."""
+    kinds = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES, STRUCTURES, SUPPORTS, VERDICTS)
+    tables = {k.name: read_table(k, inputs[k.name]) for k in kinds if k.name in inputs}
+    results, texts = arguments["results"], []
+    if "cases" in tables:
+        texts.append(summary(results, tables, arguments["meshes"], arguments["ductile"]))
+    if "structures" in tables:
+        others = tables.get("supports"), tables.get("verdicts")
+        texts.append(structures_summary(results, tables["structures"], *others))
+    outputs["summary"].write_text("\n".join(texts))
 
 
 def check_complete(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
-    joints = "cases" in inputs
-    kind, names = (CASES, "name") if joints else (STRUCTURES, "case")
-    return marked(read_table(kind, inputs[kind.name]), names, outputs["mark"])
-
-
-def marked(cases: pd.DataFrame, names: str, mark: Path) -> str | None:
-    """Implement it for ``cases`` whose names are in the column ``names``."""
-    failed = cases[cases["error"].notna()]
-    if failed.empty:
-        mark.write_text(f"{len(cases)} cases\n")
+    count, failed = 0, []
+    for kind, name in ((CASES, "name"), (STRUCTURES, "case")):
+        if kind.name in inputs:
+            cases = read_table(kind, inputs[kind.name])
+            count += len(cases)
+            rows = cases.loc[cases["error"].notna(), [name, "model", "error"]]
+            failed += [f"{row[0]} ({row[1]}): {row[2]}" for row in rows.itertuples(index=False)]
+    if not failed:
+        outputs["mark"].write_text(f"{count} cases\n")
         return None
-    rows = failed[[names, "model", "error"]].itertuples(index=False)
-    lines = [f"{name} ({model}): {error}" for name, model, error in rows]
-    return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])
+    return "\n".join([f"{len(failed)} of {count} cases have no result:", *failed])
 
 
 if __name__ == "__main__":
-    step(run, complete=check_complete, structures_complete=check_complete)
+    step(run, complete=check_complete)

@@ -5,7 +5,7 @@ python -m studies.structures.compare --results results-structures
 
 import argparse
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -124,8 +124,8 @@ def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
     for sample in SAMPLES:
         tilt = Tilt(ABOUT[sample.about])
         model = sample_structure(samples, sample)
-        limit = _limit(model, tilt)
-        static = _static(model, tilt) if sample.small else math.nan
+        limit = _angle(limit_tilt, model, tilt)
+        static = _angle(static_tilt, model, tilt) if sample.small else math.nan
         pyramid = pyramid_tilt(model, tilt) if sample.small else math.nan
         rbe = rbe_verdict(samples / f"{sample.name}.json", sample)
         yield {
@@ -152,21 +152,13 @@ def _stands(model: Assembly, tilt: Tilt) -> bool:
     return True
 
 
-def _limit(model: Assembly, tilt: Tilt) -> float:
-    """The critical tilt after limit analysis, degrees; NaN if nothing stands upright."""
+def _angle(critical: Callable[[Assembly, Tilt], Any], model: Assembly, tilt: Tilt) -> float:
+    """The ``critical`` tilt after a model, degrees; NaN if nothing stands upright."""
     try:
-        return limit_tilt(model, tilt).angle
-    except InfeasibleError:
-        return math.nan
-
-
-def _static(model: Assembly, tilt: Tilt) -> float:
-    """The critical tilt after the static model, degrees; NaN if nothing stands upright."""
-    try:
-        return static_tilt(model, tilt).angle
+        return float(critical(model, tilt).angle)
     except UnboundedError:
         return LARGEST
-    except NoEquilibriumError:
+    except (InfeasibleError, NoEquilibriumError):
         return math.nan
 
 

@@ -12,7 +12,7 @@ CAPTIONS = {  # of files in the report of Snakemake, by suffix
     ".png": ("Figures", "figure.rst"),
     ".html": ("Report", "report.rst"),
 }
-REPORT_INPUTS = {}  # tables and summaries of the report, by name
+SUMMARY_INPUTS, REPORT_INPUTS = {}, {}  # tables of the summary and the report
 RETRIES = 2  # as in profiles/slurm
 TIME_LIMIT = math.ceil(STUDY.dem.time_limit)  # s, of an engine in each case
 LOCKS = []  # of the results folder, held until this process ends
