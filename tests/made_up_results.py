@@ -47,10 +47,8 @@ def capacity_of(study: Study, records: Sequence[JointRecord]) -> pd.DataFrame:
     return capacity_table(study, cases_table(records, records), weights_table(records))
 
 
-def tables_of(
-    study: Study, records: Sequence[JointRecord], cases: pd.DataFrame | None = None
-) -> dict[str, pd.DataFrame]:
-    """The tables that a summary needs; ``cases``: in place of those of the records."""
+def tables_of(study: Study, records: Sequence[JointRecord]) -> dict[str, pd.DataFrame]:
+    """The tables that a summary needs."""
     capacity = capacity_of(study, records)
     fit, weights = fit_table(capacity), weights_table(records)
     return {
@@ -58,5 +56,5 @@ def tables_of(
         "fit": fit,
         "best_fit": best_table(study, capacity),
         "capacity": capacity,
-        "cases": cases_table(records, records) if cases is None else cases,
+        "cases": cases_table(records, records),
     }

@@ -12,3 +12,8 @@ SMALL: dict[str, Any] = {  # the static model of three locks
 TWO_MESHES = SMALL | {"meshes": [0.02, 0.01]}
 COARSE = SMALL | {"meshes": [0.03]}
 BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
+ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
+
+
+def merged(**change: Any) -> dict[str, Any]:
+    return {**ONE, **change}

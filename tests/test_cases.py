@@ -11,7 +11,7 @@ import yaml
 from conftest import ROOT, with_subject
 from hypothesis import given
 from hypothesis import strategies as st
-from small import BOTH
+from small import BOTH, ONE, merged
 
 from sidmacib.engines.engine import Numerics
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
@@ -21,12 +21,6 @@ from sidmacib.models import SOLVED
 from workflow.case import Case, JointCase, JointSubject
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
-
-ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
-
-
-def merged(**change: Any) -> dict[str, Any]:
-    return {**ONE, **change}
 
 
 # --- which there are -----------------------------------------------------------------------------

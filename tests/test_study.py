@@ -10,7 +10,7 @@ import yaml
 from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
-from small import BOTH
+from small import BOTH, ONE, merged
 
 from sidmacib import OPTIONS, READY_OPTIONS, Joint, NodeLayout, OwnLock, UpperBody, assemble
 from sidmacib.engines.engine import Numerics
@@ -30,12 +30,6 @@ from workflow.schema.sections import (
     NumericsSection,
     SampleSection,
 )
-
-ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
-
-
-def merged(**change: Any) -> dict[str, Any]:
-    return {**ONE, **change}
 
 
 # --- defaults ------------------------------------------------------------------------------------

@@ -120,6 +120,6 @@ def test_compas_dem_reads_the_file() -> None:
 
 def test_a_search_in_place_of_trying_all_layouts_costs_the_same() -> None:
     both = compared(1)
-    assert both.layouts == 13**2
-    assert both.found_cost == both.least_cost > 0.0
-    assert both.bound <= both.found_cost <= both.bound * (1.0 + GAP)
+    assert both["layouts"] == 13**2
+    assert both["found_cost"] == both["least_cost"] > 0.0
+    assert both["bound"] <= both["found_cost"] <= both["bound"] * (1.0 + GAP)

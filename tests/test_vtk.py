@@ -6,20 +6,20 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 import pytest
+from conftest import a_case
 
 from analysis.vtk import write_path
 from sidmacib import Direction, Elastic, Joint, Loading, NodeLayout
-from workflow.case import Case, JointCase, JointSubject
 
-
-def case_of(joint: Joint, ratio: float) -> JointCase:
-    subject = JointSubject("s", joint, 0.03, NodeLayout.LOBATTO, Loading(Direction(ratio)))
-    return Case("c", "static", "reference", subject, None)
+LOBATTO = NodeLayout.LOBATTO
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    return write_path(case_of(Joint(3), 0.3), tmp_path_factory.mktemp("vtk"))
+    return write_path(
+        a_case("static", Joint(3), Loading(Direction(0.3)), nodes=LOBATTO),
+        tmp_path_factory.mktemp("vtk"),
+    )
 
 
 def steps(collection: Path) -> list[tuple[float, meshio.Mesh]]:
@@ -49,6 +49,9 @@ def test_stresses_on_locks_balance_the_load(written: list[Path]) -> None:
 
 
 def test_pieces_that_bend_have_stresses_but_no_movement(tmp_path: Path) -> None:
-    pieces, nodes = write_path(case_of(Joint(3, elastic=Elastic(1e10)), 0.0), tmp_path)
+    bends = a_case(
+        "static", Joint(3, elastic=Elastic(1e10)), Loading(Direction(0.0)), nodes=LOBATTO
+    )
+    pieces, nodes = write_path(bends, tmp_path)
     assert (steps(pieces)[-1][1].point_data["displacement_m"] == 0.0).all()
     assert np.abs(steps(nodes)[-1][1].point_data["normal_Pa"]).max() > 0.0

@@ -28,6 +28,7 @@ from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import notes
 from workflow.jobs import case_jobs
 from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
+from workflow.schema import Study
 
 MANY = 5000  # cases, which take a while to plan
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
@@ -80,19 +81,21 @@ def write_report(config: Path, results: str | None) -> str | None:
     study = read_study_file(config, results)
     if not study.samples and not study.structures:
         raise ConfigError("samples: missing; a report needs joints or structures")
-    path = str(Path(study.results, REPORT))
-    if not snakemake(config, study.results, (path,)):
-        return "no report, see above"
-    print(f"Report: {path}")
-    return None
+    return _made(config, study, "report", str(Path(study.results, REPORT)))
 
 
 def write_decks(config: Path, results: str | None) -> str | None:
     """Write the decks for 3DEC; returns an error message, or None."""
     study = study_with_joints(config, results)
-    if not snakemake(config, study.results, ("decks",)):
-        return "no decks, see above"
-    print(f"Decks: {study.results}/decks/3dec")
+    return _made(config, study, "decks", f"{study.results}/decks/3dec", "decks")
+
+
+def _made(
+    config: Path, study: Study, what: str, path: str, target: str | None = None
+) -> str | None:
+    if not snakemake(config, study.results, (target or path,)):
+        return f"no {what}, see above"
+    print(f"{what.capitalize()}: {path}")
     return None
 
 

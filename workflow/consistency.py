@@ -1,7 +1,7 @@
 """Checks across the sections of a study, and what a study requires of its models."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from sidmacib.contact_points import REDUCTIONS
@@ -16,7 +16,7 @@ from sidmacib.models import LAWS, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE, structure_case_name
-from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases, required_sections
+from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases
 from workflow.schema.sections import AssemblySection, NumericsSection, PartSection, Pieces, changed
 from workflow.schema.values import NAME_LENGTH
 
@@ -54,16 +54,12 @@ def inconsistencies(study: Study) -> Iterator[str]:
         yield from _models_of_sample(study, name, sample.models)
         yield from _parts(study, name, sample.only)
     yield from _calibration(study)
-    if study.figures.mesh not in (None, *study.meshes):
-        yield (
-            f"figures.mesh: {study.figures.mesh} m is not allowed; it must be one of meshes: "
-            f"{_some(study.meshes)}"
-        )
+    if study.figures.mesh is not None:
+        yield from _among("figures.mesh", (study.figures.mesh,), "meshes", study.meshes)
     yield from _measured(study)
     yield from structure_faults(study)
-    for section in required_sections(study.campaign) if study.campaign else ():
-        if not getattr(study, section):
-            yield f"campaign: {study.campaign} needs {section}"
+    if study.campaign is not None and not study.samplings:
+        yield f"campaign: {study.campaign} needs samplings"
     if REFERENCE in study.variants:
         yield f"variants: the name {REFERENCE} is reserved; choose another name"
 
@@ -71,15 +67,19 @@ def inconsistencies(study: Study) -> Iterator[str]:
 def _measured(study: Study) -> Iterator[str]:
     """Measured loads that match no case of the study."""
     for number, load in enumerate(study.measured.loads if study.measured else (), start=1):
-        if load.sample not in study.samples:
+        key, ratios = f"measured.loads.{number}", study.eccentricities
+        yield from _among(f"{key}.sample", (load.sample,), "samples", [*study.samples])
+        yield from _among(f"{key}.eccentricity", (load.eccentricity,), "eccentricities", ratios)
+
+
+def _among(
+    key: str, values: Iterable[object], what: str, allowed: Collection[object]
+) -> Iterator[str]:
+    """The ``values`` that are not among those ``allowed``."""
+    for value in values:
+        if value not in allowed:
             yield (
-                f"measured.loads.{number}.sample: {load.sample} is not allowed; it must be one of "
-                f"samples: {', '.join(study.samples)}"
-            )
-        if load.eccentricity not in study.eccentricities:
-            yield (
-                f"measured.loads.{number}.eccentricity: {load.eccentricity:g} is not allowed; it "
-                f"must be one of eccentricities: {_some(study.eccentricities)}"
+                f"{key}: {shown(value)} is not allowed; it must be one of {what}: {_some(allowed)}"
             )
 
 
@@ -281,12 +281,7 @@ def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterat
             ("eccentricities", part.eccentricities, study.eccentricities),
             ("variants", part.variants, tuple(study.variants)),
         ):
-            for value in chosen or ():
-                if value not in allowed:
-                    yield (
-                        f"{key}.{name}.{what}: {shown(value)} is not allowed; it must be one of "
-                        f"{what}: {_some(allowed)}"
-                    )
+            yield from _among(f"{key}.{name}.{what}", chosen or (), what, allowed)
     names = detailed(name for name in study.models_of(sample) if name in MODELS)
     if names and not any(study.whole_curve(sample, name) for name in names):
         yield (
@@ -373,7 +368,12 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
         try:
             if CASES in whole and not section.loads:
                 structure_file.demands_of(whole)
-                yield from _unnameable(f"{key}.{place}.{CASES}", load_cases(whole))
+                names = [structure_case_name("", name) for name in load_cases(whole)]
+                if len({*names}) < len(names) or max(map(len, names)) > NAME_LENGTH:
+                    yield (
+                        f"{key}.{place}.{CASES}: names must differ in letters, digits, _ and .; at "
+                        f"most {NAME_LENGTH} letters"
+                    )
                 continue
             own = {k: v for k, v in whole.items() if k not in (LOAD, CASES)}
             assembly = structure_file.assembly_of(own)
@@ -387,13 +387,6 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
                 LoadSection.read(load, LOAD).on(assembly, beside)
             except ValueError as error:
                 yield f"{key}.{f'loads.{name}' if section.loads else place}: {_in_a_line(error)}"
-
-
-def _unnameable(key: str, cases: Iterable[str]) -> Iterator[str]:
-    """A fault where the names of files cannot be made of those of load ``cases``."""
-    names = [structure_case_name("", name) for name in cases]
-    if len({*names}) < len(names) or max(map(len, names)) > NAME_LENGTH:
-        yield f"{key}: names must differ in letters, digits, _ and .; at most {NAME_LENGTH} letters"
 
 
 def _in_a_line(error: ValueError) -> str:

@@ -4,11 +4,10 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from threading import Thread
-from typing import Annotated, Any, Generic
+from typing import Annotated, Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
@@ -148,29 +147,29 @@ class Explorer:
 
     def _answer(self, request: Request) -> dict[str, Any]:
         """The answer that follows the sliders at once."""
-        asked = _asked(request, checked)
-        state = asked.checked.state
+        asked, given = _asked(request, checked)
+        state = given.state
         with self._desk.turn(*asked.turn):
-            found = [answers(each) for each in asked.checked.states]
-        both = [*zip(asked.checked.states, found, strict=True)]
+            found = [answers(each) for each in given.states]
+        both = [*zip(given.states, found, strict=True)]
         (drawn, *kept), told = ([of(*each) for each in both] for of in (pictures, results))
         return {
-            **asked.echo,
+            **asked.echo(given),
             "values": state.values,
             "words": found[0].words,
             **drawn,
             "kept": {"words": found[1].words, "marks": kept[0]["marks"]} if kept else None,
-            "comparison": _compared(asked.checked, told),
+            "comparison": _compared(given, told),
             "yaml": as_configuration(state),
             "python": as_python(state),
-            "link": _link(request, "", asked.checked),
+            "link": _link(request, "", given),
         }
 
     def _curve(self, request: Request) -> dict[str, Any]:
         """The curve, which takes as long as all else for each of its directions."""
-        asked = _asked(request, checked)
-        state, lines, counted, told = asked.checked.state, [], [], []
-        for each in asked.checked.states:
+        asked, given = _asked(request, checked)
+        state, lines, counted, told = given.state, [], [], []
+        for each in given.states:
             points = []
             for ratio in ratios(each):
                 with self._desk.turn(*asked.turn):
@@ -183,11 +182,11 @@ class Explorer:
         with self._desk.turn(*asked.turn):
             pulls = effects(state)
         return {
-            **asked.echo,
+            **asked.echo(given),
             "values": state.values,
             **lines[0],
-            "kept": {**lines[1], "name": asked.checked.kept.name} if asked.checked.kept else None,
-            "comparison": _compared(asked.checked, told),
+            "kept": {**lines[1], "name": given.kept.name} if given.kept else None,
+            "comparison": _compared(given, told),
             "spread": counted[0].legend,
             "counts": counted[0].words,
             "covered": covered(state),
@@ -196,33 +195,33 @@ class Explorer:
 
     def _structure(self, request: Request) -> dict[str, Any]:
         """The answer to choices of the other page; a newer request ends it between stages."""
-        asked = _asked(request, checked_choice)
-        chosen = asked.checked.state
-        for each in asked.checked.states:
+        asked, given = _asked(request, checked_choice)
+        chosen = given.state
+        for each in given.states:
             for stage in STAGES:
                 with self._desk.turn(*asked.turn):
                     stage(same(each))
         with self._desk.turn(*asked.turn):
             found = structure_answer(chosen)
-            both = [answered(same(each)) for each in asked.checked.states]
+            both = [answered(same(each)) for each in given.states]
         return {
-            **asked.echo,
+            **asked.echo(given),
             **found,
             "values": dict(chosen.values),
             "kept": {"words": both[1].views.answer} if both[1:] else None,
-            "comparison": _compared(asked.checked, [each.carried for each in both]),
-            "link": _link(request, "structures", asked.checked),
+            "comparison": _compared(given, [each.carried for each in both]),
+            "link": _link(request, "structures", given),
         }
 
     def _file(self, request: Request) -> dict[str, Any]:
         """The address of the page of a file that was sent, or what is wrong with it, in a line."""
-        asked = _asked(request, _sent)
+        asked, given = _asked(request, _sent)
         try:
             with self._desk.turn(*asked.turn):
-                page = self._files.opened(*asked.checked.state)
+                page = self._files.opened(*given.state)
         except FAULTS as error:
-            return {**asked.echo, "page": None, "error": " ".join(str(error).split())}
-        return {**asked.echo, "page": page, "error": None}
+            return {**asked.echo(given), "page": None, "error": " ".join(str(error).split())}
+        return {**asked.echo(given), "page": page, "error": None}
 
 
 def _sent(values: Mapping[str, object]) -> Checked[tuple[list[Any], int]]:
@@ -235,25 +234,6 @@ def _sent(values: Mapping[str, object]) -> Checked[tuple[list[Any], int]]:
     return Checked((files, kept), ())
 
 
-@dataclass(frozen=True)
-class _Asked(Generic[State]):
-    """A request of a page, with its number."""
-
-    page: str
-    number: int
-    checked: Checked[State]
-
-    @property
-    def turn(self) -> tuple[str, int]:
-        """The page and the number that it waits with."""
-        return self.page, self.number
-
-    @property
-    def echo(self) -> dict[str, Any]:
-        """The beginning of each answer: the request's number, and changes made to it."""
-        return {"number": self.number, "notes": list(self.checked.notes)}
-
-
 class _Post(BaseModel):
     """What a page sends: its name, the number of the request, and the value of each slider."""
 
@@ -262,17 +242,26 @@ class _Post(BaseModel):
     values: dict[str, Any]
     kept: dict[str, Any] | None = None
 
+    @property
+    def turn(self) -> tuple[str, int]:
+        """The page and the number that it waits with."""
+        return self.page, self.number
+
+    def echo(self, found: Checked[Any]) -> dict[str, Any]:
+        """The beginning of each answer: the request's number, and changes made to it."""
+        return {"number": self.number, "notes": list(found.notes)}
+
 
 def _asked(
     request: Request, read: Callable[[Mapping[str, object]], Checked[State]]
-) -> _Asked[State]:
-    """The request's JSON, its values by ``read``; `BadRequest` for any other."""
+) -> tuple[_Post, Checked[State]]:
+    """The request's JSON, and its values by ``read``; `BadRequest` for any other."""
     try:
         sent = _Post.model_validate(json.loads(request.get_data(cache=False)), strict=True)
     except (ValueError, RecursionError):
         raise BadRequest("A post must have page, number and values, as this page sends.") from None
     kept = None if sent.kept is None else read(sent.kept)
-    return _Asked(sent.page, sent.number, beside(read(sent.values), kept))
+    return sent, beside(read(sent.values), kept)
 
 
 def _compared(found: Checked[Any], told: Sequence[Figures]) -> list[list[Any]]:

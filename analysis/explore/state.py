@@ -3,14 +3,13 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
 from sidmacib.joint import INNER, HoldDown, Joint, UpperBody
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_parameters
 
 FIRST = Joint(5)
-MOST_NAMES = 40  # in a link
 KEPT = "kept"  # in a link: the query of what is kept for comparison
 SHORT = 24  # letters of a value or a name in a note
 
@@ -136,14 +135,6 @@ class Checked(Generic[State]):
 Read = Callable[[Mapping[str, object]], Checked[State]]
 
 
-class Linked(Protocol):
-    """A state that a link brings back."""
-
-    @property
-    def query(self) -> str:
-        """The query of that link."""
-
-
 def checked(given: Mapping[str, object]) -> Checked[Settings]:
     """The settings nearest to ``given`` that the sliders allow; others have their default."""
     values, notes = nearest_values(given, Settings().values, SLIDERS)
@@ -197,20 +188,18 @@ def in_note(value: object) -> str:
     return f"'{text}'" if len(text) <= SHORT else f"'{text[:SHORT]}…'"
 
 
-def query_of(shown: Linked, kept: Linked | None) -> str:
-    """The query of a link to what is shown, beside what is ``kept``."""
+def query_of(shown: Any, kept: Any) -> str:
+    """The query of a link to the state that is shown, beside that which is ``kept``, if any is."""
     beside = "" if kept is None else urlencode({KEPT: kept.query})
     return "&".join(filter(None, (shown.query, beside)))
 
 
 def from_query(query: str, read: Read[State]) -> Checked[State]:
     """What the query of a link shows and keeps; ``read``: as for values that are posted."""
-    try:
-        given = in_query(query)
-        kept = given.pop(KEPT, None)
-        return beside(read(given), None if kept is None else read(in_query(kept)))
-    except ValueError as error:
-        return Checked(read({}).state, (str(error),))
+    given = dict(parse_qsl(query.lstrip("?"), keep_blank_values=True))
+    kept = given.pop(KEPT, None)
+    there = None if kept is None else read(dict(parse_qsl(kept, keep_blank_values=True)))
+    return beside(read(given), there)
 
 
 def beside(found: Checked[State], kept: Checked[State] | None) -> Checked[State]:
@@ -218,15 +207,6 @@ def beside(found: Checked[State], kept: Checked[State] | None) -> Checked[State]
     if kept is None:
         return found
     return Checked(found.state, (*found.notes, *(f"Kept: {n}" for n in kept.notes)), kept.state)
-
-
-def in_query(query: str) -> dict[str, str]:
-    """Names and values in the query of a link; ValueError for too many."""
-    try:
-        found = parse_qsl(query.lstrip("?"), keep_blank_values=True, max_num_fields=MOST_NAMES)
-    except ValueError:
-        raise ValueError(f"The link has more than {MOST_NAMES} parameters.") from None
-    return dict(found)
 
 
 def as_configuration(state: Settings) -> str:

@@ -220,14 +220,11 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
         return []
     largest = spread.max()
     most = f"at most {100 * largest:.2f} %" if largest >= LEAST_SHOWN else "less than 0.005 %"
-    return [
-        {
-            "title": "Uniqueness of the static peak",
-            "text": f"Peaks found from several starting points differ by {most}. "
-            "The lowest one is reported.",
-            "kind": "good" if largest < AGREEMENT else "note",
-        }
-    ]
+    words = (
+        f"Peaks found from several starting points differ by {most}. The lowest one is reported."
+    )
+    kind = "good" if largest < AGREEMENT else "note"
+    return [finding("Uniqueness of the static peak", words, kind)]
 
 
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:

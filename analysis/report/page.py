@@ -94,9 +94,8 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the page from the tables that it has in full, and the summary.
 
-    ``arguments``: ``study`` as JSON, None without joints; ``structures``: the sections of that name
-    as JSON, None without any; ``cases``: one of each structure, load and variant;
-    ``configuration``: the whole of it as JSON.
+    ``arguments``: ``study`` as JSON, None without joints; ``cases``: one of each structure, load
+    and variant; ``configuration``: the whole of it as JSON.
     """
     study = None
     if arguments["study"] is not None:

@@ -69,7 +69,6 @@ rule report:
         "tables"
     params:
         study=lambda wildcards: STUDY.part("variants") if STUDY.samples else None,
-        structures=lambda wildcards: STUDY.structures_json() if STUDY.structures else None,
         configuration=lambda wildcards: STUDY.model_dump_json(exclude={"results"}),
         cases=lambda wildcards: [*reversed(SHOWN_STRUCTURES.values())],
         code=code("analysis.report.page", StructureSubject.modules, PAGE_FILES),

@@ -7,7 +7,7 @@ a row between two walls, without a floor, are held by their locks alone and push
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -36,19 +36,6 @@ HEAD = [
     *("interfaces", "layouts", "cost of the best", "tried, CPU-s"),
     *("found by search", "bound", "search, CPU-s"),
 ]
-
-
-@dataclass(frozen=True)
-class BothWays:
-    """Costs and times (CPU-s) of both ways to the cheapest locks."""
-
-    interfaces: int
-    layouts: int
-    least_cost: float
-    tried_s: float
-    found_cost: float
-    bound: float
-    search_s: float
 
 
 def row(count: int) -> list[Block]:
@@ -94,17 +81,19 @@ def tried(given: DesignProblem, search: RowSearch) -> tuple[int, float]:
     return count, best
 
 
-def compared(count: int) -> BothWays:
-    """Both ways for a row of ``count`` cubes."""
+def compared(count: int) -> dict[str, float]:
+    """Costs and times (CPU-s) of both ways to the cheapest locks of a row of ``count`` cubes."""
     given = cubes(count)
     begin = time.process_time()
     found = RowSearch(given, 1.0).cheapest(gap=GAP)
     middle = time.process_time()
     layouts, least = tried(given, RowSearch(given, 1.0))
     end = time.process_time()
-    times = {"search_s": middle - begin, "tried_s": end - middle}
-    costs = {"least_cost": least, "found_cost": found.cost, "bound": found.bound}
-    return BothWays(len(given.sites), layouts, **times, **costs)
+    return {
+        **{"interfaces": len(given.sites), "layouts": layouts, "least_cost": least},
+        **{"tried_s": end - middle, "found_cost": found.cost, "bound": found.bound},
+        "search_s": middle - begin,
+    }
 
 
 def rows(results: Path) -> str:
@@ -132,7 +121,7 @@ def main(arguments: Sequence[str]) -> None:
     path = Path(results) / "tables/all_layouts.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     compared(CUBES[0])  # compiles
-    pd.DataFrame([asdict(compared(count)) for count in CUBES]).to_csv(path, index=False)
+    pd.DataFrame(map(compared, CUBES)).to_csv(path, index=False)
 
 
 if __name__ == "__main__":

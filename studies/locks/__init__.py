@@ -1,3 +1,1 @@
 """The number of locks that work: the law against the static model, on joints of all sizes."""
-
-REQUIRED_SECTIONS = ("samplings",)  # of the configuration

@@ -27,8 +27,8 @@ def _degrees(value: float, digits: int = 1) -> str:
     return NONE if math.isnan(value) else f"{value:.{digits}f}"
 
 
-def _apart(one: float, other: float, digits: int = 1) -> str:
-    return NONE if math.isnan(one - other) else signed(f"{one - other:+.{digits}f}")
+def _apart(one: float, other: float) -> str:
+    return NONE if math.isnan(one - other) else signed(f"{one - other:+.1f}")
 
 
 def _case(row: Any) -> str:

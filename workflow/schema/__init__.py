@@ -3,7 +3,6 @@
 It names no model; `workflow.consistency` checks the abilities of models.
 """
 
-import importlib
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -45,12 +44,6 @@ _TABLES = (
     *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
     *("models", "sidmacib"),
 )
-
-
-def required_sections(name: str) -> tuple[str, ...]:
-    """Sections of the configuration that the campaign ``name`` requires."""
-    package = importlib.import_module(f"studies.{name}")
-    return tuple(getattr(package, "REQUIRED_SECTIONS", ()))
 
 
 def words(value: Any) -> str:
@@ -278,9 +271,3 @@ class Study(Section):
         """
         chosen: dict[str, Any] = dict.fromkeys((*_TABLES, *sections), True)
         return self.model_dump_json(include={**chosen, "dem": {"engines"}})
-
-    def structures_json(self) -> str:
-        """The structures and the models that analyse them, as JSON."""
-        return self.model_dump_json(
-            include={"structures": True, "models": True, "dem": {"engines"}}
-        )
