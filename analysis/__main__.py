@@ -124,12 +124,12 @@ def _sidmacib(study: Study, name: str, place: Place) -> Iterator[str]:
         yield f"  {label}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
 
 
-def run_calibration(config: Path, results: str | None) -> str | None:
-    """Calibrate the joints of a study; returns an error message, or None."""
+def run_calibration(config: Path, results: str | None) -> None:
+    """Calibrate the joints of a study."""
     from analysis.calibration import calibrate
 
     study_with_joints(config, results)
-    return calibrate(config, results, snakemake)
+    calibrate(config, results)
 
 
 def main() -> None:

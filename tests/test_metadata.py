@@ -139,7 +139,7 @@ PIN = re.compile(r"^([\w.-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?
 NOT_IMPORTED = {
     *("furo", "import-linter", "mypy", "myst-parser", "pytest-xdist", "ruff", "snakefmt", "uv"),
     *("sphinx-click", "sphinx-gallery", "types-pyyaml", "cadquery-ocp-novtk", "highspy"),
-    *("rhino3dm", "setuptools", "snakemake", "snakemake-executor-plugin-slurm"),
+    *("pyarrow", "rhino3dm", "setuptools", "snakemake", "snakemake-executor-plugin-slurm"),
     "snakemake-logger-plugin-rich",
 }
 

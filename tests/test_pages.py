@@ -9,7 +9,6 @@ import pytest
 from studies.attack.search import MORE, MORE_LOCKS
 from studies.elastic import page as elastic
 from studies.locks.tables import BONDS
-from studies.markdown import markdown, percent
 from studies.pages import BLOCK, BLOCKS, PageError, blocks_of, filled
 from studies.published import page as published
 from workflow.results.tables import CAPACITY, CASES, VARIANTS, read_table, write_table
@@ -20,7 +19,6 @@ PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
 
 
 def test_a_block_is_made_from_its_table(tmp_path: Path) -> None:
-    (tmp_path / "tables").mkdir()
     row = ("ductile", "columns", 0.0, 3, 1.5, 2.0, 0.98, 0.0)
     table = pd.DataFrame([row], columns=list(BONDS.columns))
     write_table(BONDS, table, tmp_path / "tables" / "bonds.csv")
@@ -53,12 +51,6 @@ def test_every_block_of_a_page_is_known_and_filled(page: Path) -> None:
 
 def test_every_kind_of_numbers_is_in_a_page() -> None:
     assert {name for page in PAGES for name in blocks_of(page.read_text())} == set(BLOCKS)
-
-
-def test_tables_in_markdown() -> None:
-    assert markdown(["a", "b"], [["1", "2"]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
-    assert percent(-0.123) == "\N{MINUS SIGN}12.3 %"
-    assert percent(0.5, 0) == "+50 %"
 
 
 @pytest.mark.study
@@ -98,7 +90,6 @@ def test_published_numbers_stand_beside_computed_ones(
 
 
 def test_elastic_blocks_are_listed_from_stiff_to_soft(tmp_path: Path) -> None:
-    (tmp_path / "tables").mkdir()
     columns = dict.fromkeys(VARIANTS.columns)
     rows = [
         {

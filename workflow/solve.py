@@ -5,13 +5,11 @@ On request, also the files of one of these cases, like those in an engine's fold
 
 import importlib
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
@@ -37,7 +35,6 @@ from workflow.step import Arguments, Files, step
 
 Solve = Callable[[Problem], Outcome]
 Solved = tuple[Record[Any], Assembly, Outcome]
-HISTORY_COLUMNS = ("load_N", "displacement_m")
 LOADS = {
     "peak_load_N": "load_N",
     "failed_load_N": "failed_load_N",
@@ -52,8 +49,8 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write records, nodes and histories; the record of a case without a result has the reason."""
     solve: Solve = importlib.import_module(arguments["module"]).solve
     records: list[Record[Any]] = []
-    nodes: list[pa.Table] = []
-    histories: list[pa.Table] = []
+    nodes: list[pd.DataFrame] = []
+    histories: list[pd.DataFrame] = []
     for data in arguments["cases"]:
         case: Case[Any] = Case.from_json(data)
         found = solved_or_not(case, solve)
@@ -66,8 +63,8 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
         histories.append(history_table(case, outcome))
     outputs["records"].write_text("".join(record.to_json() + "\n" for record in records))
     for tables, path in ((nodes, outputs["nodes"]), (histories, outputs["history"])):
-        whole = pa.concat_tables(tables) if tables else pa.table({})
-        pq.write_table(whole, path, compression="zstd")
+        whole = pd.concat(tables) if tables else pd.DataFrame()
+        whole.to_parquet(path, compression="zstd", index=False)
     failed = [record for record in records if record.error]
     return "\n".join(f"{record.name}: {record.error}" for record in failed) or None
 
@@ -79,7 +76,7 @@ def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
         reason = problem.assembly.without_stiffness
         if reason and Ability.CONDENSED not in MODELS[case.model].abilities:
             return record_without_result(case, refused=f"{case.model}: {reason}")
-        return _solved(case, problem, solve)
+        return solved(case, solve, problem)
     except UnboundedError as error:
         if problem.loads.axis is not None:
             return record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
@@ -90,18 +87,18 @@ def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
         return record_without_result(case, error=f"{case.model}: {reason}", raised=error)
 
 
-def solved(case: Case[Any], solve: Solve) -> Solved:
-    """The checked record of ``case``, its assembly and the model's outcome."""
-    return _solved(case, case.subject.problem(), solve)
+def solved(case: Case[Any], solve: Solve, problem: Problem | None = None) -> Solved:
+    """The checked record of ``case``, its assembly and the model's outcome.
 
-
-def _solved(case: Case[Any], problem: Problem, solve: Solve) -> Solved:
+    ``problem``: of its subject, if known already.
+    """
+    problem = case.subject.problem() if problem is None else problem
     outcome = solve(problem)
     record = record_of(case, problem, outcome, {})
     return record, outcome.cells or problem.assembly, outcome
 
 
-def node_table(case: Case[Any], assembly: Assembly, outcome: Outcome) -> list[pa.Table]:
+def node_table(case: Case[Any], assembly: Assembly, outcome: Outcome) -> list[pd.DataFrame]:
     """Stresses at the load that counts, one row per node, in the columns of an engine's nodes.csv.
 
     No table if the model computes no stresses.
@@ -111,33 +108,22 @@ def node_table(case: Case[Any], assembly: Assembly, outcome: Outcome) -> list[pa
         return []
     stress = force_to_stress(nodes, face_frames(assembly), state.force)
     values: Floats = np.column_stack([nodes.position, nodes.area, stress])
-    columns: dict[str, Any] = {
-        "case": _repeated(case.name, len(values)),
-        "face": _named([face.name for face in assembly.faces], nodes.face),
-        "kind": _named([str(face.kind) for face in assembly.faces], nodes.face),
-    }
-    columns |= dict(zip(NODE_COLUMNS[2:], values.T, strict=False))
-    return [pa.table(columns | {"bonded": state.bonded.astype(np.int8)})]
-
-
-def history_table(case: Case[Any], outcome: Outcome) -> pa.Table:
-    """Load and displacement of each equilibrium on the way, one row each."""
-    load, moved = HISTORY_COLUMNS
     columns = {
-        "case": _repeated(case.name, len(outcome.path)),
-        load: pa.array([state.load for state in outcome.path]),
-        moved: pa.array([state.displacement for state in outcome.path], pa.float64()),
+        "case": case.name,
+        "face": np.array([face.name for face in assembly.faces])[nodes.face],
+        "kind": np.array([str(face.kind) for face in assembly.faces])[nodes.face],
+        **dict(zip(NODE_COLUMNS[2:], values.T, strict=False)),
+        "bonded": state.bonded.astype(np.int8),
     }
-    return pa.table(columns)
+    return [pd.DataFrame(columns)]
 
 
-def _repeated(text: str, count: int) -> pa.Array:
-    return _named([text], np.zeros(count, dtype=np.int32))
-
-
-def _named(names: Iterable[str], index: Any) -> pa.Array:
-    plain = pa.DictionaryArray.from_arrays(pa.array(index, pa.int32()), pa.array(list(names)))
-    return plain.cast(pa.string())
+def history_table(case: Case[Any], outcome: Outcome) -> pd.DataFrame:
+    """Load and displacement of each equilibrium on the way, one row each; nan where unknown."""
+    rows = [(state.load, state.displacement) for state in outcome.path]
+    table = pd.DataFrame(rows, columns=["load_N", "displacement_m"], dtype=float)
+    table.insert(0, "case", case.name)
+    return table
 
 
 def write_case_files(arguments: Arguments, inputs: Files, outputs: Files) -> None:

@@ -5,7 +5,7 @@ separate study in the results folder, whose configuration is written here. Figur
 friction and geometry, and curves.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,6 @@ from analysis.calibration.candidates import (
     PEAK_AIM,
     PEAK_SCALE,
     WEIGHT_SCALE,
-    Trial,
     best_rows,
     candidate_of,
     candidate_study,
@@ -37,11 +36,11 @@ from analysis.calibration.candidates import (
 )
 from analysis.figures import style
 from analysis.published import Published, read_published
-from workflow.configuration import read_study_file
+from workflow.command import snakemake
+from workflow.configuration import CallError, read_study_file
 from workflow.results.tables import CASES, WEIGHTS, read_table
 from workflow.schema import Study
 
-Snakemake = Callable[[Path, str, Sequence[str]], bool]
 MISFIT = (
     "Misfit: root mean square of the differences of the static model in pure shear from the "
     "published peaks of both samples at both meshes, over "
@@ -50,59 +49,44 @@ MISFIT = (
 AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a (m)"}
 
 
-def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | None:
-    """Write map, curves, figures and best joints; returns what failed, None if nothing did."""
+def calibrate(config: Path, results: str | None) -> None:
+    """Write map, curves, figures and best joints; `CallError` if a step is incomplete."""
     study = read_study_file(config, results)
     published = read_published()
     locks = check(study, published)
     place = Path(study.results, "calibration")
     of_study = {f"own{n}": each for n, each in enumerate(study_candidates(study, published))}
 
-    def done(name: str, content: Mapping[str, Any]) -> Tables | None:
-        return run_study(place / f"{name}.yaml", content, snakemake)
-
     every = {f"g{n:05}": each for n, each in enumerate(candidates(study, published))} | of_study
-    tables = done("map", candidate_study(study, locks, every, str(place / "map")))
-    if tables is None:
-        return "the map of joints is incomplete, see above"
-    table = misfit_table(*tables, published)
+    solved = run_study(place / "map.yaml", candidate_study(study, locks, every, str(place / "map")))
+    table = misfit_table(*solved, published)
     write(table, place / "map.csv")
     grid = table[~table["candidate"].isin(of_study)]
-    frictions = friction_table(grid)
-    write(frictions, place / "friction.csv")
+    by_friction = friction_table(grid)
+    write(by_friction, place / "friction.csv")
 
     best = [candidate_of(row) for _, row in best_rows(grid).iterrows()]
-    chosen = of_study | ranked(best)
-    tables = done("curves", curve_study(study, locks, chosen, str(place / "curves")))
-    if tables is None:
-        return "the curves are incomplete, see above"
-    curves = curve_table(tables[0], tables[1])
+    ranked = {f"rank{rank}": each for rank, each in enumerate(best, start=1)}
+    content = curve_study(study, locks, of_study | ranked, str(place / "curves"))
+    curves = curve_table(*run_study(place / "curves.yaml", content)[:2])
     write(curves, place / "curves.csv")
     own = table[table["candidate"].isin(of_study)]
-    for name, figure in calibration(grid, own, curves, published).items():
-        paths = [Path(study.results, f"figures/{name}.{kind}") for kind in ("png", "pdf")]
+    for name, figure in (
+        ("friction", frictions(grid, published)),
+        ("geometry", geometries(grid, own)),
+        ("curves", shapes(curves, set(of_study))),
+    ):
+        paths = [Path(study.results, f"figures/calibration_{name}.{k}") for k in ("png", "pdf")]
         style.save(figure, paths)
 
-    chosen = of_study | ranked(best[: study.calibration.confirmed])
+    chosen = of_study | dict([*ranked.items()][: study.calibration.confirmed])
     content = engine_study(study, locks, chosen, str(place / "best"))
-    tables = done("best", content)
-    if tables is None:
-        return "the confirmation is incomplete, see above"
-    confirmed = misfit_table(*tables, published)
+    confirmed = misfit_table(*run_study(place / "best.yaml", content), published)
     write(confirmed, Path(study.results, "tables/calibration.csv"))
-    print(describe(confirmed, frictions, published), end="")
-    return None
+    print(describe(confirmed, by_friction, published), end="")
 
 
-Tables = tuple[Study, pd.DataFrame, pd.DataFrame]
-
-
-def ranked(best: Sequence[Trial]) -> dict[str, Trial]:
-    """Candidates by rank."""
-    return {f"rank{rank}": each for rank, each in enumerate(best, start=1)}
-
-
-def run_study(path: Path, content: Mapping[str, Any], snakemake: Snakemake) -> Tables | None:
+def run_study(path: Path, content: Mapping[str, Any]) -> tuple[Study, pd.DataFrame, pd.DataFrame]:
     """Write a configuration, run its cases, and return the study with its cases and weights."""
     path.parent.mkdir(parents=True, exist_ok=True)
     text = yaml.safe_dump(dict(content), sort_keys=False)
@@ -111,7 +95,7 @@ def run_study(path: Path, content: Mapping[str, Any], snakemake: Snakemake) -> T
     study = read_study_file(path)
     tables = [Path(study.results, f"tables/{name}.csv") for name in ("cases", "weights")]
     if not snakemake(path, study.results, [str(table) for table in tables]):
-        return None
+        raise CallError(f"{path.stem}: this step of the calibration is incomplete, see above")
     return study, read_table(CASES, tables[0]), read_table(WEIGHTS, tables[1])
 
 
@@ -119,20 +103,6 @@ def write(rows: pd.DataFrame, path: Path) -> None:
     """Write a table of the calibration."""
     path.parent.mkdir(parents=True, exist_ok=True)
     rows.to_csv(path, index=False, float_format="%.10g")
-
-
-def calibration(
-    grid: pd.DataFrame, of_study: pd.DataFrame, curves: pd.DataFrame, published: Published
-) -> dict[str, Figure]:
-    """The figures by name: what the friction does, what the geometry does, and V-M curves.
-
-    ``grid``, ``of_study``: rows of `misfit_table`, of the grid and of the study's joints.
-    """
-    return {
-        "calibration_friction": frictions(grid, published),
-        "calibration_geometry": geometries(grid, of_study),
-        "calibration_curves": shapes(curves, set(of_study["candidate"])),
-    }
 
 
 def frictions(grid: pd.DataFrame, published: Published) -> Figure:

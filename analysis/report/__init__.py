@@ -47,6 +47,13 @@ def finding(title: str, text: str, kind: str = "note") -> dict[str, str]:
     return {"title": title, "text": text, "kind": kind}
 
 
+def failed_cases(table: pd.DataFrame, title: str, what: str = "") -> list[dict[str, str]]:
+    """A finding on the cases without a result, if there are any."""
+    failed = int(table["error"].notna().sum())
+    text = f"{failed} of {len(table)}{what}; they are listed at the end."
+    return [finding(title, text, "bad")] if failed else []
+
+
 def headings(tables: Mapping[str, pd.DataFrame]) -> dict[str, list[dict[str, Any]]]:
     """Of each column of each table its title, its meaning and what its numbers are shown times."""
     forms = {form.name: form for form in TABLES}

@@ -13,7 +13,7 @@ import pandas as pd
 
 from analysis.drawing import label_of, option_colour, option_name, rule_name, sketch
 from analysis.published import read_published
-from analysis.report import finding, json_value
+from analysis.report import failed_cases, finding, json_value
 from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.summary import (
     PEAK_ACCURACY,
@@ -157,7 +157,7 @@ def law_of(joint: Joint) -> dict[str, list[Any]]:
 def joints_verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, str]]:
     """Findings on the joints of a study."""
     return [
-        *_failed(tables["cases"]),
+        *failed_cases(tables["cases"], "Cases without a result"),
         *_published(tables["validation"]),
         *_agreement(tables["cases"]),
         *verdict_of_spread(tables["capacity"]),
@@ -169,14 +169,6 @@ def joints_verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dic
             "joints: the paper gives only the product a·b.",
         ),
     ]
-
-
-def _failed(cases: pd.DataFrame) -> list[dict[str, str]]:
-    failed = cases[cases["error"].notna()]
-    if failed.empty:
-        return []
-    text = f"{len(failed)} of {len(cases)}; they are listed at the end."
-    return [finding("Cases without a result", text, "bad")]
 
 
 def _published(validation: pd.DataFrame) -> list[dict[str, str]]:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.drawing import label_of
-from analysis.report import finding
+from analysis.report import failed_cases, finding
 from analysis.summary.structures import (
     first_failure,
     peak,
@@ -164,11 +164,8 @@ def _answer(row: Mapping[str, Any]) -> str | None:
 
 
 def _without(table: pd.DataFrame) -> Iterator[dict[str, str]]:
-    failed, refused = int(table["error"].notna().sum()), int(table["refused"].notna().sum())
-    if failed:
-        text = f"{failed} of {len(table)} cases; they are listed at the end."
-        yield finding("Structures without a result", text, "bad")
-    if refused:
+    yield from failed_cases(table, "Structures without a result", " cases")
+    if refused := int(table["refused"].notna().sum()):
         text = f"{refused} of {len(table)} cases (reasons next to the 3D view)."
         yield finding("Not supported", text)
 
