@@ -23,6 +23,7 @@ from dataclasses import dataclass, field
 from itertools import cycle
 from pathlib import Path
 
+import psutil
 import yaml
 from campaigns.counts import ROOT, asked, tables_of, write_counts
 from small import COARSE
@@ -199,29 +200,17 @@ FAULTS = (deleted, full_disk, read_only, two_runs, killed, bad_engine)
 # --- what may be left ----------------------------------------------------------------------------
 def descendants(pid: int) -> list[int]:
     """Processes that a process has started, and those that they have."""
-    children: dict[int, list[int]] = {}
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parent = int(path.read_text().rpartition(")")[2].split()[1])
-        except (OSError, ValueError, IndexError):
-            continue
-        children.setdefault(parent, []).append(int(path.parent.name))
-    found = [pid]
-    for process in found:  # which grows
-        found += children.get(process, [])
-    return found[1:]
+    with suppress(psutil.NoSuchProcess):
+        return [process.pid for process in psutil.Process(pid).children(recursive=True)]
+    return []
 
 
 def processes_in(folder: Path) -> list[str]:
     """Commands of the processes that name ``folder``, or work in it."""
     found = []
-    for path in Path("/proc").glob("[0-9]*"):
-        try:
-            command = (path / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
-            place = str((path / "cwd").readlink())
-        except OSError:
-            continue
-        if path.name != str(os.getpid()) and (str(folder) in command or str(folder) in place):
+    for process in psutil.process_iter(["cmdline", "cwd"]):
+        command = " ".join(process.info["cmdline"] or ())
+        if process.pid != os.getpid() and str(folder) in f"{command} {process.info['cwd']}":
             found.append(command)
     return found
 
