@@ -12,6 +12,7 @@ from typing import Any
 
 from sidmacib.command.output import FORMATS, text_of
 from sidmacib.errors import ResultError
+from sidmacib.models import REFERENCE_MODEL
 from workflow.case import Case
 from workflow.cases import case_count
 from workflow.command import (
@@ -29,6 +30,7 @@ from workflow.consistency import notes
 from workflow.jobs import case_jobs
 from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
 from workflow.schema import Study
+from workflow.schema import Study
 
 MANY = 5000  # cases, which take a while to plan
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
@@ -44,6 +46,8 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
         print(f"{count:,} cases", file=sys.stderr)
     with lock(Path(study.results)):
         forget_failures(Path(study.results), every=bool(os.environ.get(RETRY)))
+    if not options:  # nothing is computed on a cluster's front end
+        _first_report(config, study)
     started = time.time()
     whole = snakemake(config, study.results, options=options)
     # The log of what follows the summary shows whether this run has come so far.
@@ -74,6 +78,18 @@ def _has_failed(records: Path) -> bool:
         return any(json.loads(line)["error"] for line in records.read_text().splitlines())
     except ValueError:
         return True
+
+
+def _first_report(config: Path, study: Study) -> None:
+    """Write a first report without the engines, which may take long.
+
+    Only if there is no report yet; it is written again when the engines have ended.
+    """
+    path = Path(study.results, REPORT)
+    engines = study.samples and study.dem.engines and REFERENCE_MODEL in study.models
+    if engines and not path.exists():
+        print("Writing a first report without the engines", file=sys.stderr)
+        snakemake(config, study.results, (str(path),), engines=False)
 
 
 def write_report(config: Path, results: str | None) -> str | None:

@@ -126,22 +126,26 @@ def snakemake(
     results: str,
     targets: Sequence[str] = (),
     options: Sequence[str] = (),
+    *,
+    engines: bool = True,
 ) -> bool:
     """Have Snakemake make ``targets`` (none: the whole study); returns whether it did.
 
-    It ends with this process, however that ends.
+    It ends with this process, however that ends. ``engines``: whether they run.
     """
     use_writable_caches(Path(results))
     os.environ.pop("SNAKEMAKE_PROFILE", None)  # of other workflows
-    command = [*ENDS_WITH_PARENT, *snakemake_command(config, results), *options, "--", *targets]
-    return subprocess.run(command, check=False).returncode == 0
+    command = snakemake_command(config, results, engines=engines)
+    whole = [*ENDS_WITH_PARENT, *command, *options, "--", *targets]
+    return subprocess.run(whole, check=False).returncode == 0
 
 
-def snakemake_command(config: Path, results: str) -> list[str]:
+def snakemake_command(config: Path, results: str, *, engines: bool = True) -> list[str]:
     """The command line of Snakemake for a study, without its targets."""
     return [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(CHECKOUT / "Snakefile")),
         *("--configfile", str(config), "--config", f"results={results}"),
+        *(() if engines else ("dem={engines: []}",)),
     ]
 
 
