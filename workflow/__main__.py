@@ -30,7 +30,6 @@ from workflow.consistency import notes
 from workflow.jobs import case_jobs
 from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
 from workflow.schema import Study
-from workflow.schema import Study
 
 MANY = 5000  # cases, which take a while to plan
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
