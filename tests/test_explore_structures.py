@@ -199,6 +199,20 @@ def test_two_files_stand_beside_each_other_with_what_differs(served: Served) -> 
     assert three == "at most two structures are compared, not 3: a.yaml, b.yaml, c.yaml"
 
 
+def test_of_load_cases_the_one_that_governs_opens(served: Served) -> None:
+    text = (
+        "blocks: {ground: {low: [0, 0, -0.1], high: [1, 1, 0], fixed: true}, "
+        "cube: {low: [0.3, 0.3, 0], high: [0.5, 0.5, 0.2]}}\ninterfaces: {friction: 0.4}\n"
+        "load_cases: {wind: {acceleration: [1, 0, 0], newtons: 30}, "
+        "big one: {acceleration: [0, 1, 0], newtons: 50}}\n"
+    )
+    opened = served.get(send(served, cases_yaml=text).content["page"]).text
+    assert "with a factor of 1.26" in opened  # 0.4 times 156.96 N over 50 N
+    assert "multilock assembly cases.yaml --case &#39;big one&#39;" in opened
+    none = send(served, x_yaml=text.partition("load_cases")[0]).content["error"]
+    assert none == "load: missing; none is for multilock assembly only"
+
+
 @pytest.mark.parametrize(
     ("text", "error"),
     [

@@ -2,6 +2,7 @@
 
 import base64
 import binascii
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,6 +15,7 @@ from analysis.explore.comparison import compared
 from analysis.explore.structures import StructureAnswer
 from sidmacib.command.output import cell
 from sidmacib.command.structures import limit_of, static_of
+from sidmacib.command.verdicts import case_rows
 from sidmacib.scene.page import page
 from sidmacib.structure.files.structure_file import demands_of, description_in
 from sidmacib.structure.loads import SupportMotion
@@ -101,15 +103,21 @@ def opened_files(files: Sequence[Mapping[str, Any]]) -> list[OpenedFile]:
 
 def _opened(path: Path) -> OpenedFile:
     description = description_in(path)
-    demand = demands_of(description, path.parent)[0]
-    if demand.case is not None or not demand.raises:
-        raise ValueError("load: missing; load_cases, or none, are for multilock assembly only")
+    demands = demands_of(description, path.parent)
+    demand, name, notes = demands[0], path.name, []
+    if not demand.raises:
+        raise ValueError("load: missing; none is for multilock assembly only")
+    if demand.case is not None:
+        rows, words, _ = case_rows(demands)
+        demand = demands[[row["governs"] for row in rows].index("yes")]
+        name, notes = f"{path.name} --case {shlex.quote(str(demand.case))}", [f"{words}."]
     problem = demand.problem
     if isinstance(problem.loads, SupportMotion):
         raise ValueError("load.support: is for multilock assembly only; use another load here")
     limit = limit_of(problem)
-    answer = StructureAnswer.of(path, description, demand, limit, static_of(problem, limit))
-    return OpenedFile(path.name, answer)
+    static = static_of(problem, limit)
+    answer = StructureAnswer.of(path, description, demand, limit, static, notes)
+    return OpenedFile(name, answer)
 
 
 def _written(file: Mapping[str, Any], folder: Path) -> Path:

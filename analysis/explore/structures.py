@@ -38,11 +38,16 @@ class StructureAnswer:
         demand: Demand,
         limit: LimitState | CapacityError | None,
         static: StaticAnswer | CapacityError,
+        more_notes: Sequence[str] = (),
     ) -> "StructureAnswer":
-        """From what the models answer; ``path``: of the file that the ``description`` is from."""
+        """From what the models answer; ``path``: of the file that the ``description`` is from.
+
+        ``more_notes``: beside those of the command.
+        """
         problem = demand.problem
         rows, found = demanded_rows(demand, limit, static)
-        notes, verdict = structure_notes(problem, description), "" if found is None else str(found)
+        notes = [*more_notes, *structure_notes(problem, description)]
+        verdict = "" if found is None else str(found)
         views = Views.of(path, description, problem, limit, static, notes, verdict)
         counts = static.counts.name if isinstance(static, StaticAnswer) else None
         return cls(description, views, rows, counts)
