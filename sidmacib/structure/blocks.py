@@ -220,12 +220,17 @@ def require_near(name: str, places: Floats) -> None:
 _YZX, _ZXY = (1, 2, 0), (2, 0, 1)
 
 
-def normal_of(corners: Floats) -> Floats:
-    """Unit normal of a plane outline, (K, 3), anticlockwise about it (Newell), (3,); 0 of none."""
+def area_vector(corners: Floats) -> Floats:
+    """Twice the area of an outline, (K, 3), along its normal (Newell), (3,)."""
     after = np.concatenate((corners[1:], corners[:1]))
     # Components of a cross product: on a few corners `numpy.cross` takes four times as long.
     yzx, zxy = ((each.take(_YZX, 1), each.take(_ZXY, 1)) for each in (corners, after))
-    around = (yzx[0] * zxy[1] - yzx[1] * zxy[0]).sum(axis=0)
+    return np.asarray((yzx[0] * zxy[1] - yzx[1] * zxy[0]).sum(axis=0))
+
+
+def normal_of(corners: Floats) -> Floats:
+    """Unit normal of a plane outline, (K, 3), anticlockwise about it, (3,); 0 of none."""
+    around = area_vector(corners)
     length = np.linalg.norm(around)
     return np.asarray(around / length) if length > 0.0 else np.zeros(3)
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.structure.blocks import Block
+from sidmacib.structure.blocks import Block, area_vector
 
 WIDEST = 0.1  # largest tolerance, over the mean size of the blocks
 MOST_SHARED = 0.5  # of a block's volume, as no tolerance is above half of the thinnest block
@@ -99,7 +99,7 @@ def solid_of(block: Block, middle: Floats, size: float) -> manifold3d.Manifold:
 
 def _surface(block: Block) -> float:
     """Area of all faces, in m2."""
-    around = [np.cross(c, np.roll(c, -1, axis=0)).sum(axis=0) for c in block.outlines]
+    around = [area_vector(corners) for corners in block.outlines]
     return float(np.linalg.norm(around, axis=1).sum()) / 2
 
 

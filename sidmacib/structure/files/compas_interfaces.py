@@ -9,7 +9,7 @@ import shapely
 
 from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.quantities import shown
-from sidmacib.structure.blocks import Block, normal_of, require_near
+from sidmacib.structure.blocks import Block, area_vector, normal_of, require_near
 from sidmacib.structure.files.compas import edges_in
 from sidmacib.structure.files.repair import AS_IT_IS
 from sidmacib.structure.interfaces import Interface, tangents
@@ -44,7 +44,7 @@ def read_compas_interfaces(
 def _interface(name: str, below: int, above: int, corners: Floats, block: Block) -> Interface:
     """The region within ``corners`` (m), (K, 3), beside a face of the ``block`` below."""
     about = corners.mean(axis=0)
-    around = np.cross(corners - about, np.roll(corners - about, -1, axis=0)).sum(axis=0)
+    around = area_vector(corners - about)
     if not np.linalg.norm(around) > CLOSE * block.size**2:
         raise ValueError(f"{name}: an interface must have an area")
     normal = around / np.linalg.norm(around)

@@ -9,7 +9,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.structure.blocks import FLAT, Block, normal_of, off_plane, require_few_faces
+from sidmacib.structure.blocks import (
+    FLAT,
+    Block,
+    area_vector,
+    normal_of,
+    off_plane,
+    require_few_faces,
+)
 from sidmacib.structure.crossing import grouped
 from sidmacib.validation import refused
 
@@ -150,9 +157,8 @@ def planes(face: Face, places: Floats, size: float) -> list[Face]:
 
 def _thickness(corners: Floats) -> float:
     """Twice the area of a face over its longest edge (m)."""
-    around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
     longest = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).max()
-    return float(np.linalg.norm(around) / longest)
+    return float(np.linalg.norm(area_vector(corners)) / longest)
 
 
 def _without_repeats(face: list[int]) -> Face:
