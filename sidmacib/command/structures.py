@@ -14,7 +14,7 @@ from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
-from sidmacib.quantities import four_digits
+from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
@@ -148,10 +148,7 @@ def _crushed(problem: Problem, limit: LimitState) -> str:
     """Which interfaces limit analysis presses to the compressive strength, in words."""
     use = crushing_use(problem.assembly, limit.force[None, :, 0])
     names = [problem.assembly.faces[number].name for number, of in use.items() if of[0] > FULL]
-    if not names:
-        return ""
-    others = f" and {len(names) - MOST} others" if len(names) > MOST else ""
-    return f"crushed: {', '.join(names[:MOST])}{others}"
+    return f"crushed: {some_of(names, MOST)}" if names else ""
 
 
 def _torque(limit: LimitState) -> str:
