@@ -60,15 +60,11 @@ class Solver(Equilibria, Protocol):
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
 
 
-class SmallRotations:
-    """A ``solver`` that finds no equilibria where a piece has turned by more than ``most`` (rad).
+class OtherSearches:
+    """Searches for equilibria by a ``solver`` that accept or begin otherwise, see `Equilibria`."""
 
-    Forces are balanced where pieces were built: what it finds there need not exist. ``exceeded``:
-    whether the last search ended with such an equilibrium.
-    """
-
-    def __init__(self, solver: Equilibria, most: float) -> None:
-        self.solver, self.most, self.exceeded = solver, most, False
+    def __init__(self, solver: Equilibria) -> None:
+        self.solver = solver
 
     @property
     def contact_law(self) -> ContactLaw:
@@ -78,6 +74,18 @@ class SmallRotations:
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
         return self.solver.start()
+
+
+class SmallRotations(OtherSearches):
+    """A ``solver`` that finds no equilibria where a piece has turned by more than ``most`` (rad).
+
+    Forces are balanced where pieces were built: what it finds there need not exist. ``exceeded``:
+    whether the last search ended with such an equilibrium.
+    """
+
+    def __init__(self, solver: Equilibria, most: float) -> None:
+        super().__init__(solver)
+        self.most, self.exceeded = most, False
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False

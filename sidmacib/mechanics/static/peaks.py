@@ -16,12 +16,13 @@ from scipy.optimize import brentq
 
 from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
-from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
+from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
     Equilibria,
     Equilibrium,
+    OtherSearches,
     Solver,
     StaticSolution,
 )
@@ -43,7 +44,7 @@ LEAST_LOAD_LEFT = 0.02  # of the peak: less counts as nothing
 HIGHEST = 1.5  # of the peak: the bonds that are left never carry more than whole ones do
 
 
-class FromElsewhere:
+class FromElsewhere(OtherSearches):
     """A ``solver`` whose searches start at random places near those that are asked for.
 
     If there is no equilibrium from there, the search starts where it was asked to, as a bad start
@@ -51,18 +52,10 @@ class FromElsewhere:
     """
 
     def __init__(self, solver: Equilibria, seed: int) -> None:
-        self.solver, self.off = solver, OFF[seed % len(OFF)]
+        super().__init__(solver)
+        self.off = OFF[seed % len(OFF)]
         self.random = np.random.default_rng(seed)
         self.number = 0
-
-    @property
-    def contact_law(self) -> ContactLaw:
-        """The contact law of its nodes."""
-        return self.solver.contact_law
-
-    def start(self) -> Equilibrium:
-        """Equilibrium under the permanent loads alone."""
-        return self.solver.start()
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
