@@ -16,7 +16,7 @@ def run(*arguments: str) -> Result:
 def answers(*arguments: str) -> list[dict[str, object]]:
     found = run(*arguments, "--format", "json")
     assert found.exit_code == 0, found.output
-    return list(json.loads(found.output))
+    return list(json.loads(found.stdout))
 
 
 def by_model(path: Path, description: Any, *options: str) -> dict[str, dict[str, Any]]:

@@ -107,6 +107,40 @@ def test_limit_analysis_decides_where_the_static_model_has_no_answer(path: Path)
     assert "to the limit; limit analysis, which may overestimate; the static model has no" in line
 
 
+def test_numbers_of_loads_that_look_wrong_are_noted(path: Path) -> None:
+    earth = {"side": [1, 0, 0], "level": 1, "coefficient": 30, "density": 18}
+    outside = {"block": "cube", "at": [0.5, 0.5, -3], "direction": [0, 0, -1]}
+    given = {**SLIDING, "permanent": [{"earth": earth}, {"force": {**outside, "newtons": 1}}]}
+    given["load"] = {"force": {"block": "cube", "at": [0, 0.5, 1], "direction": [1, 0, 0]}}
+    path.write_text(yaml.safe_dump(given))
+    notes = run("assembly", str(path)).stderr.splitlines()
+    assert [note.split(": ")[1] for note in notes] == [
+        "permanent.1.earth.density",
+        "permanent.1.earth.coefficient",
+        "permanent.2.force.at",
+    ]
+    assert notes[2].endswith("is 3 m outside of block cube")
+
+
+@pytest.mark.parametrize(
+    ("options", "note"),
+    [
+        ((), "Note: assumed: friction 0.7, density 2000 kg/m3\n"),
+        (("--friction", "0.5"), "Note: assumed: density 2000 kg/m3\n"),
+        (("--friction", "0.5", "--density", "2200"), ""),
+    ],
+)
+def test_what_is_assumed_of_a_mesh_is_said(options: tuple[str, ...], note: str) -> None:
+    mesh = ROOT / "tests/cases/geometry/yup.obj"
+    found = run("assembly", str(mesh), "--up", "y", "--fixed", "ground", *options)
+    assert found.stderr == note
+
+
+def test_a_factor_just_below_1_is_not_1(path: Path) -> None:
+    given = {**SLIDING, "load": {**PUSH, "newtons": 0.5 * WEIGHT * 1.0004}}
+    assert said(path, given)[1].startswith("No: it does not carry 9814 N with a factor of 0.9996;")
+
+
 def test_of_a_large_structure_results_are_told_as_they_come(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -154,7 +154,7 @@ def _unsettled(found: Mapping[int, _Followed]) -> str:
     if error is None:
         return "the peak is 0 on one of the meshes"
     if error > SETTLED:
-        return f"peak not converged (mesh error {100.0 * error:.0f} %)"
+        return f"peak not converged (its mesh error: {100.0 * error:.0f} %)"
     return ""
 
 

@@ -92,7 +92,7 @@ def verdict(
         )
     if most is None:
         return Verdict(newtons, False, "no model has an answer", f"{static}; {limit}")
-    words = f"{_carries(newtons, passes=most >= 1.0)} with a factor of {most:.3g} to the limit"
+    words = f"{_carries(newtons, passes=most >= 1.0)} with a factor of {_factor(most)} to the limit"
     note = f"limit analysis, which may overestimate; the static model has no answer: {static}"
     return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
 
@@ -100,15 +100,21 @@ def verdict(
 def _by_static(newtons: float, static: Static, most: float | None) -> Verdict:
     first, peak = static.failures.first / newtons, static.failures.peak / newtons
     factor, error = static.load / newtons, static.mesh_error or 0.0
-    factors, notes = f"{peak:.3g}", []
+    factors, notes = _factor(peak), []
     if bond_fails(static.failures):
-        factors = f"{first:.3g} to the first failure, {peak:.3g} to the peak"
+        factors = f"{_factor(first)} to the first failure, {_factor(peak)} to the peak"
     if bond_fails(static.failures) or static.mode == CRUSHING:
         notes.append(str(static.counts))
     if abs(factor - 1.0) < error * factor:
         notes.append(f"the mesh error of {100.0 * error:.2g} % leaves it open")
     words = f"{_carries(newtons, passes=factor >= 1.0)} with a factor of {factors}"
     return Verdict(newtons, factor >= 1.0, words, "; ".join(notes), factor, first, peak, most)
+
+
+def _factor(value: float) -> str:
+    """Three digits of a factor, or as many as tell it from 1."""
+    shown = (f"{value:.{digits}g}" for digits in range(3, 7))
+    return next((each for each in shown if each != "1"), "1")
 
 
 def _carries(newtons: float, *, passes: bool) -> str:

@@ -20,6 +20,7 @@ from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
+from sidmacib.structure.files.loads import load_warnings
 from sidmacib.structure.files.sections import StructureFile
 from sidmacib.structure.files.structure_file import demands_of
 from sidmacib.structure.loads import free_weight, naming_permanent
@@ -56,6 +57,10 @@ def structure_notes(problem: Problem, description: Any) -> list[str]:
     """One line each for what looks wrong in a structure and the ``description`` that it is of."""
     given = StructureFile.read(description)
     notes = structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
+    notes += load_warnings(problem.assembly, given.pushed)
+    if given.assumed:
+        values = ", ".join(f"{key} {value:g}" for key, value in given.assumed.items())
+        notes.append(f"assumed: {values}{' kg/m3' if 'density' in given.assumed else ''}")
     laws = (given.interfaces, *given.special)
     if given.locks and any(law.compressive_strength is not None for law in laws):
         notes.append("compressive_strength: does not limit interfaces with locks")

@@ -1,6 +1,6 @@
 """The keys of a structure's file for loads: permanent ones, one that is raised, load cases."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -10,6 +10,7 @@ from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
 from sidmacib.quantities import Density, Number, Span
 from sidmacib.reading import Keys, Some, Text, Vector, Way
 from sidmacib.structure.analysis.tilt import LEVEL, Tilt, tilting
+from sidmacib.structure.blocks import Block
 from sidmacib.structure.interfaces import NEAR
 from sidmacib.structure.loads import (
     Permanent,
@@ -30,6 +31,8 @@ _Level = Annotated[float, Number(unit="m")]
 _Within = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
 _Range = Annotated[tuple[float, float], Span(Number(unit="m"))]
 WATER, SOIL = 1000.0, 1800.0  # kg/m3
+LIGHT, STEEP = 500.0, 15.0  # kg/m3, and a coefficient: earth below, or above, is doubted
+OUTSIDE = 0.01  # of a block, over its size: a force that is further away is doubted
 
 
 class ForceSection(Keys):
@@ -340,3 +343,28 @@ class LoadCaseSection(CaseSection):
         """The load that is raised."""
         given = {key: getattr(self, key) for key in self.model_fields_set - {"permanent"}}
         return LoadSection(**given)
+
+
+def load_warnings(
+    assembly: Assembly, pushed: Mapping[str, _Pushed | PermanentSection]
+) -> Iterator[str]:
+    """One line each for what looks wrong in loads, by their keys."""
+    named = {piece.name: piece for piece in assembly.pieces if isinstance(piece, Block)}
+    for key, each in pushed.items():
+        if each.force and each.force.block in named:
+            block, at = named[each.force.block], np.array(each.force.at)
+            beyond = np.maximum(block.places.min(axis=0) - at, at - block.places.max(axis=0))
+            away = float(np.linalg.norm(np.maximum(beyond, 0.0)))
+            if away > OUTSIDE * block.size:
+                yield f"{key}.force.at: is {away:.3g} m outside of block {block.name}"
+        if isinstance(each, PermanentSection) and (earth := each.earth):
+            if earth.density < LIGHT:
+                yield (
+                    f"{key}.earth.density: {earth.density:g} kg/m3 is very small; is it in kg/m3? "
+                    f"18 kN/m3 are {18e3 / GRAVITY:.0f} kg/m3"
+                )
+            if earth.coefficient > STEEP:
+                yield (
+                    f"{key}.earth.coefficient: {earth.coefficient:g} is very large; of an angle of "
+                    "friction of 30 degrees it is 0.333 (active) or 3 (passive)"
+                )

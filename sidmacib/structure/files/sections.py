@@ -3,7 +3,7 @@
 Editors check files by a schema that is made from these sections, as is the page of all keys.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -254,3 +254,30 @@ class StructureFile(Keys):
     """largest gap between faces that touch, over the mean size of the free blocks"""
     design: Any = None
     """the task of `multilock design`; the other commands ignore it"""
+
+    @property
+    def pushed(self) -> dict[str, LoadSection | LoadCaseSection | PermanentSection]:
+        """All loads by their keys."""
+        found: dict[str, LoadSection | LoadCaseSection | PermanentSection] = {}
+        if self.load:
+            found["load"] = self.load
+        found |= _numbered("permanent", self.permanent)
+        for name, case in (self.load_cases or {}).items():
+            found[f"load_cases.{name}"] = case
+            found |= _numbered(f"load_cases.{name}.permanent", case.permanent)
+        return found
+
+    @property
+    def assumed(self) -> dict[str, float]:
+        """What blocks of meshes and their dry interfaces have though the file does not say it."""
+        files = [each for each in self.blocks.values() if isinstance(each, FileSection)]
+        files = [each for each in files if not each.file.lower().endswith(".json")]
+        laws = {"friction", "from_file"} & self.interfaces.model_fields_set
+        found = {} if laws or self.special or not files else {"friction": INTERFACE.friction}
+        if any("density" not in each.model_fields_set for each in files):
+            found["density"] = FileSection.model_fields["density"].default
+        return found
+
+
+def _numbered(key: str, given: Sequence[PermanentSection]) -> dict[str, PermanentSection]:
+    return {f"{key}.{number}": each for number, each in enumerate(given, start=1)}
