@@ -75,7 +75,7 @@ def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
         (["--scatter", "0"], "--scatter: '0' is not allowed"),
         (["--gamma-m", "0.8"], "--gamma-m: '0.8' is not allowed; it must be from 1 to 10"),
         (["--note", "n.html", "-e", "0", "-e", "1"], "--note: needs one direction"),
-        (["--note", "/nowhere/n.html"], "--note /nowhere/n.html: No such file"),
+        (["--note", "/nowhere/n.html"], "--note /nowhere/n.html: No such folder"),
     ],
 )
 def test_wrong_options_are_refused_in_a_line(options: list[str], words: str) -> None:

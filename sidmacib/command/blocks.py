@@ -8,7 +8,16 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import flag_of, joint_of, joint_options, quantity
-from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option, note_option
+from sidmacib.command.options import (
+    EXISTING,
+    PAGE,
+    PICTURE,
+    WRITTEN,
+    Once,
+    Written,
+    format_option,
+    note_option,
+)
 from sidmacib.command.output import (
     refused_in_one_line,
     require_answer,
@@ -52,19 +61,19 @@ GAP = Number(at_least=0, unit="m")
 @click.option(
     "--capacity-curve",
     "curve",
-    type=WRITTEN,
+    type=Written(),
     help="Follow the mechanism at finite displacements; write the load over the displacement, down "
     "to no load, into this CSV file. If a support moves: its reaction over its movement.",
 )
 @click.option(
     "--picture",
-    type=WRITTEN,
+    type=PICTURE,
     help="Draw the structure with its forces into this file: .png, .svg or .pdf. With "
     "--capacity-curve, or if a support moves, draw the curve instead.",
 )
 @click.option(
     "--report",
-    type=WRITTEN,
+    type=PAGE,
     help="Write a page with the answer, and the structure in three dimensions with loads, "
     "reactions, hinges, mechanism, into this file: .html. Needs multilock[report].",
 )
@@ -115,6 +124,8 @@ def assembly(
 
         files = compas, curve, picture, report, note
         wanted = Wanted(form, interfaces, case, without_load, *files, engines)
+        if report is not None:
+            _require_plotly()
         if other := of_other_blocks(file):
             click.echo(f"Note: {other} is not read, as it has blocks itself", err=True)
         description = description_in(file, added_keys(**options), alone=bool(other))
@@ -123,6 +134,15 @@ def assembly(
         require_answer(rows)
     if not passes:
         sys.exit(1)
+
+
+def _require_plotly() -> None:
+    from sidmacib.scene.page import plotly_js
+
+    try:
+        plotly_js()
+    except ValueError as error:
+        raise click.UsageError(f"--report: {error}") from None
 
 
 @click.command(cls=Once)

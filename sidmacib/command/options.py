@@ -58,7 +58,29 @@ class Once(GroupedCommand):
         return super().parse_args(ctx, args)
 
 
+class Written(click.Path):
+    """A file to be written, with one of these ``endings``, in a folder that is there.
+
+    What cannot be written is said before the answer is computed.
+    """
+
+    def __init__(self, *endings: str) -> None:
+        super().__init__(dir_okay=False, path_type=Path)
+        self.endings = endings
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """As click does; `click.UsageError` names the option."""
+        path, flag = Path(str(super().convert(value, param, ctx))), param.opts[-1] if param else ""
+        if self.endings and path.suffix.lower() not in self.endings:
+            ends = " or ".join(self.endings)
+            raise click.UsageError(f"{flag} {path}: is not allowed; it must end in {ends}", ctx)
+        if not path.parent.is_dir():
+            raise click.UsageError(f"{flag} {path}: No such folder: {path.parent}", ctx)
+        return path
+
+
 WRITTEN = click.Path(dir_okay=False, path_type=Path)
+PICTURE, PAGE = Written(".png", ".svg", ".pdf"), Written(".html")
 EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
@@ -96,11 +118,11 @@ def format_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 picture_option = grouped(
-    OUTPUT, "--picture", type=WRITTEN, help="Draw the answer into this file: .png, .svg or .pdf."
+    OUTPUT, "--picture", type=PICTURE, help="Draw the answer into this file: .png, .svg or .pdf."
 )
 note_option = grouped(
     OUTPUT,
     "--note",
-    type=WRITTEN,
+    type=PAGE,
     help="Write a calculation note into this file: .html, to be printed or sent.",
 )

@@ -8,8 +8,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import click
-
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.answers.structure_words import answer_words, load_words
 from sidmacib.command.answers import Row, reason
@@ -91,11 +89,7 @@ class Views:
         """
         command = shlex.join(["multilock", *sys.argv[1:]])
         if report is not None:
-            try:
-                text = self.page(rows, command)
-            except ValueError as error:
-                raise click.UsageError(f"--report: {error}") from None
-            write_text(text, report, "--report")
+            write_text(self.page(rows, command), report, "--report")
         if still is not None:
             from sidmacib.scene.picture import picture
 

@@ -22,20 +22,24 @@ def page(data: Mapping[str, Any], words: Mapping[str, Any], template: Path = TEM
     ``models`` its label and the values of `Drawn`; those of the first are shown first. ``words``:
     of the ``template``. ValueError without the package plotly.
     """
-    try:
-        plotly = importlib.import_module(PACKAGE).get_plotlyjs()
-    except ImportError:
-        raise ValueError("needs the package plotly: pip install multilock[report]") from None
     # Names of blocks may hold anything: nothing in them ends the script that they are in.
     text = json.dumps(_short(data), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     return rendered(
         template,
         data=text,
-        plotly=plotly,
+        plotly=plotly_js(),
         style=(HERE / "report.css").read_text(),
         script="".join((HERE / name).read_text() for name in SCRIPTS),
         **words,
     )
+
+
+def plotly_js() -> str:
+    """The scripts of plotly; ValueError without that package."""
+    try:
+        return str(importlib.import_module(PACKAGE).get_plotlyjs())
+    except ImportError:
+        raise ValueError("needs the package plotly: pip install multilock[report]") from None
 
 
 def rendered(template: Path, **words: Any) -> str:
