@@ -363,3 +363,8 @@ def some_of(names: Sequence[str], most: int) -> str:
     """The first ``names`` in words, and how many others there are."""
     others = f" and {len(names) - most} others" if len(names) > most else ""
     return f"{', '.join(names[:most])}{others}"
+
+
+def number_of(count: int, name: str) -> str:
+    """``count`` things of a ``name`` in words."""
+    return f"{count:,} {name}" + ("" if count == 1 else "s")

@@ -72,8 +72,7 @@ class Written(click.Path):
         """As click does; `click.UsageError` names the option."""
         path, flag = Path(str(super().convert(value, param, ctx))), param.opts[-1] if param else ""
         if self.endings and path.suffix.lower() not in self.endings:
-            ends = " or ".join(self.endings)
-            raise click.UsageError(f"{flag} {path}: is not allowed; it must end in {ends}", ctx)
+            raise click.UsageError(f"{flag} {path}: must end in {' or '.join(self.endings)}", ctx)
         if not path.parent.is_dir():
             raise click.UsageError(f"{flag} {path}: No such folder: {path.parent}", ctx)
         return path

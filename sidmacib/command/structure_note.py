@@ -168,8 +168,8 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
     found_by = {each.model: each.load for each in views.models}
     one, other = found_by.get("static"), found_by.get("limit")
     if one and other:
-        kept = "above" if other >= one * (1.0 - FLEXIBLE) else "BELOW"
+        kept = "verified" if other >= one * (1.0 - FLEXIBLE) else "NOT verified"
         told = f"{other:.4g} / {one:.4g} = {other / one:.3f}"
-        yield "Limit analysis over static model", told, kept
+        yield "Limit analysis is at or above the static model", told, kept
     for note in views.notes:
-        yield "Geometry", note, "see the file"
+        yield "Input", note, "see the file"

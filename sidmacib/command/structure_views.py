@@ -16,7 +16,7 @@ from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
 from sidmacib.problem import Problem
-from sidmacib.quantities import four_digits
+from sidmacib.quantities import four_digits, number_of
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.scene.page import page
@@ -75,10 +75,11 @@ class Views:
         """What the structure is, and its load."""
         assembly = self.problem.assembly
         free = sum(not piece.fixed for piece in assembly.pieces)
-        many = f"{free} free and {len(assembly.pieces) - free} fixed blocks"
+        many = f"{free:,} free and {number_of(len(assembly.pieces) - free, 'fixed block')}"
         weight = f"weight of the free blocks {four_digits(free_weight(assembly))} N"
         load = load_of(self.problem)
-        return in_asked_words(f"{many}, {len(assembly.faces)} interfaces; {weight}. {load}.")
+        faces = number_of(len(assembly.faces), "interface")
+        return in_asked_words(f"{many}, {faces}; {weight}. {load}.")
 
     def write(
         self, rows: Sequence[Row], report: Path | None, still: Path | None, note: Path | None
