@@ -25,8 +25,8 @@ class Reserve:
     ``factor``: the geometrical safety factor; None where it has no limit, or bonds or locks are
     there. ``least``: the least horizontal acceleration; None if there is none; ``tried``: others.
     ``static``: what the static model says against it, or nothing; ``falls``: whether that is that
-    it does not stand, or that a bond fails. ``strength``: how many times as large as it needs to be
-    the compressive strength is; None where there is none, or no limit.
+    it does not stand, or that a bond fails. ``strength``: compressive strength over the strength
+    needed; None where there is none, or no limit.
     """
 
     factor: float | None

@@ -82,7 +82,7 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         )
     ]
     if crushed_faces(problem.assembly):
-        note = "how many times as large as they need to be they are"
+        note = "strength of the blocks over the strength needed"
         note = note if found.strength else "no limit: more than 100"
         rows.append(_reserve_row("limit", "factor of compressive strengths", found.strength, note))
     least = [] if found.least is None else [("least", found.least)]
@@ -104,7 +104,7 @@ def _reserve_row(model: str, what: str, value: float | None, note: str) -> Row:
 
 def _factor_note(problem: Problem, factor: float | None) -> str:
     if factor is not None:
-        return "how many times as large as they need to be the interfaces are"
+        return "thickness of the interfaces over the least with which it stands"
     if all(face.kind is Kind.DRY for face in problem.assembly.faces):
         return "no limit: more than 100"
     return "for dry interfaces only"

@@ -1,6 +1,6 @@
 """What a structure has in reserve under permanent loads alone, by limit analysis.
 
-The geometrical safety factor: how many times as large as they need to be the interfaces are. All
+The geometrical safety factor: thickness of the interfaces over the least with which it stands. All
 points of an interface are moved towards its middle until no admissible forces balance the permanent
 loads, which stay as they are. Of an arch this is its thickness over the least one in which a line
 of thrust fits (Heyman, The Stone Skeleton, Cambridge, 1995).
@@ -54,7 +54,7 @@ def geometrical_factor(assembly: Assembly, loads: Loads) -> float | None:
 
 
 def strength_factor(assembly: Assembly, loads: Loads) -> float | None:
-    """How many times as large as it needs to be the compressive strength is, of one that stands.
+    """Compressive strength over the strength needed, of a structure that stands.
 
     None where there is none, or no limit up to `MOST`.
     """
