@@ -1,10 +1,11 @@
 """The documentation site: pages and schemas made from the code, and an extension of Sphinx.
 
-`write_pages` writes the pages of keys and of columns, and the schemas of files for editors. The
-extension adds the meanings of parameters to the library's page: words from the docstring (``name``:
-words), from the joint's parameters, or from the docstring of its class; ranges and units from the
-annotation. It writes equations as MathML by docutils, as the renderers of Sphinx load a script from
-another machine or need LaTeX, and makes all pages fit for keyboards and screen readers.
+`write_pages` writes the pages of keys and of columns, and the schemas of files for editors; so does
+`python -m workflow.site`, without building the site. The extension adds the meanings of parameters
+to the library's page: words from the docstring (``name``: words), from the joint's parameters, or
+from the docstring of its class; ranges and units from the annotation. It writes equations as MathML
+by docutils, as the renderers of Sphinx load a script from another machine or need LaTeX, and makes
+all pages fit for keyboards and screen readers.
 """
 
 import inspect
@@ -313,3 +314,7 @@ def setup(app: Sphinx) -> ExtensionMetadata:
     app.add_html_math_renderer("mathml", (inline, None), (block, None))
     app.connect("build-finished", change_pages)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
+
+
+if __name__ == "__main__":
+    write_pages(Path(__file__).parents[1] / "docs")

@@ -135,7 +135,7 @@ class DesignSection(Keys):
 
 
 class DesignFile(StructureFile):
-    """A structure without locks, and the `design` that is to find them."""
+    """A structure of blocks, its load, and perhaps the `design` that is to find its locks."""
 
     design: DesignSection | None = None
     """the task of `multilock design`; the other commands ignore it"""

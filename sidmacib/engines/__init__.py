@@ -1,6 +1,6 @@
 """The programs that a study can run: distinct elements, and finite ones for elastic pieces.
 
-To add one, see CONTRIBUTING.md.
+To add one, see docs/howto/model.md.
 """
 
 from sidmacib.engines.calculix.engine import CALCULIX
