@@ -7,13 +7,16 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 
 import numpy as np
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, self_weight
+from sidmacib.quantities import some_of
 from sidmacib.validation import refused, require_direction
 
+NAMES_SAID = 3  # of blocks, where one is not there
 OWN, ALL = "its own weight", "its own weight and the other permanent loads"
 
 
@@ -239,7 +242,10 @@ def _number(assembly: Assembly, name: str, *, fixed: bool) -> int:
     """Index of the piece called ``name``; ValueError unless it is there, and ``fixed`` or not."""
     names = [piece.name for piece in assembly.pieces]
     if name not in names:
-        raise refused("block", name, "the name of a block")
+        those = [piece.name for piece in assembly.pieces if piece.fixed is fixed]
+        near = get_close_matches(name, those, NAMES_SAID) or those
+        of = f"of a {'fixed' if fixed else 'free'} block, such as {some_of(near, NAMES_SAID)}"
+        raise refused("block", name, f"the name {of}")
     number = names.index(name)
     if assembly.pieces[number].fixed is not fixed:
         raise refused("block", name, f"a block that is {'' if fixed else 'not '}fixed")
