@@ -17,7 +17,7 @@ import numpy as np
 from sidmacib.contact_points import ContactOption, contact_points
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.pieces import cut_pieces, upper_block
-from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.assembly import Floats, Kind
 from sidmacib.mechanics.equilibrium import wrenches
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.validation import refused, require_not_negative
@@ -180,7 +180,7 @@ def pressing_lever(joint: Joint, centroid: Floats) -> float:
 
 def friction_along(model: Sidmacib) -> float:
     """Friction coefficient along the locks, 0 if the model leaves it out."""
-    coefficient = model.joint.dry.friction
+    coefficient = model.joint.material_of(Kind.DRY).friction
     return coefficient if model.friction and coefficient > LEAST_FRICTION else 0.0
 
 

@@ -15,7 +15,7 @@ from enum import StrEnum
 from itertools import islice
 from typing import Annotated, Any
 
-from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure
+from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure, Kind
 from sidmacib.quantities import Count, Density, Length, Number, ReadBy, is_number, shown
 from sidmacib.validation import refused, require_kinds, require_member
 
@@ -209,7 +209,7 @@ class Joint:
     @property
     def T0(self) -> float:
         """Shear strength of an unchanged lock: cohesion times a times b, in N."""
-        return self.inner.cohesion * self.a * self.b
+        return self.material_of(Kind.INNER).cohesion * self.a * self.b
 
     @property
     def strengths(self) -> tuple[float, ...]:
@@ -256,7 +256,7 @@ class Joint:
         """E of the block over Kn b: the solid between two locks, over a cut; inf if rigid."""
         if self.elastic is None:
             return math.inf
-        return self.elastic.young / (self.inner.normal_stiffness * self.b)
+        return self.elastic.young / (self.material_of(Kind.INNER).normal_stiffness * self.b)
 
     def own(self, lock: int) -> OwnLock:
         """Properties in which lock number ``lock`` differs from the joint."""
@@ -272,9 +272,24 @@ class Joint:
         density = self.own(lock).density
         return self.density if density is None else density
 
+    def material_of(self, kind: Kind) -> FaceMaterial:
+        """Law of the faces of ``kind``, as every model and rule reads it.
+
+        Locks may differ from that of inner faces, see `inner_of`. ValueError for contact points in
+        place of locks, which a joint does not have.
+        """
+        if kind is Kind.INNER:
+            return self.inner
+        if kind is Kind.DRY:
+            return self.dry
+        if kind is Kind.PLATE:
+            dry = self.material_of(Kind.DRY)
+            return FaceMaterial(dry.normal_stiffness, dry.shear_stiffness, 0.0, 0.0, 0.0)
+        raise refused("kind", kind, "inner, dry or plate")
+
     def inner_of(self, lock: int) -> FaceMaterial:
         """Law of the face across which lock number ``lock`` meets its block."""
-        return self.own(lock).inner or self.inner
+        return self.own(lock).inner or self.material_of(Kind.INNER)
 
     def strength(self, lock: int) -> float:
         """Shear strength of lock number ``lock``: its cohesion times its area, in N."""

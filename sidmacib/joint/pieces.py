@@ -138,10 +138,8 @@ def cut_pieces(joint: Joint) -> tuple[Cuboid, ...]:
 def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
     index = {piece.name: i for i, piece in enumerate(pieces)}
     monolithic = joint.upper_body is UpperBody.MONOLITHIC
-    plate, dry = joint.hold_down.kind is Hold.PLATE, joint.dry
-    smooth = FaceMaterial(dry.normal_stiffness, dry.shear_stiffness, 0.0, 0.0, 0.0)
-    material = {Kind.DRY: dry, Kind.PLATE: smooth}
-    between = joint.inner
+    plate = joint.hold_down.kind is Hold.PLATE
+    between = joint.material_of(Kind.INNER)
     if joint.upper_body is UpperBody.JOINED:
         between = replace(
             between,
@@ -150,11 +148,11 @@ def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
         )
 
     def face(
-        kind: Kind, below: str, above: str, name: str = "", inner: FaceMaterial = joint.inner
+        kind: Kind, below: str, above: str, name: str = "", inner: FaceMaterial = between
     ) -> Rectangle:
         pair = index[below], index[above]
-        of_kind = {**material, Kind.INNER: inner}[kind]
-        return shared_face(name or f"{kind}-{below}-{above}", kind, of_kind, pieces, pair)
+        law = inner if kind is Kind.INNER else joint.material_of(kind)
+        return shared_face(name or f"{kind}-{below}-{above}", kind, law, pieces, pair)
 
     for lock in joint.numbers:
         foot, head = (Kind.DRY, Kind.INNER) if joint.is_upper(lock) else (Kind.INNER, Kind.DRY)
@@ -167,7 +165,7 @@ def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
         yield face(Kind.DRY, lock_name(lock), lock_name(lock + 1))
         if not monolithic:
             pair = body_above(joint, lock), body_above(joint, lock + 1)
-            yield face(Kind.INNER, *pair, inner=between)
+            yield face(Kind.INNER, *pair)
     if plate and monolithic:
         yield face(Kind.PLATE, BODY, PLATE, "plate-body")
 

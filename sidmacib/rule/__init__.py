@@ -22,7 +22,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads, self_weight
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads, self_weight
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames
@@ -279,7 +279,8 @@ def _meshes(joint: Joint) -> tuple[int, ...]:
 
 def spans_of(joint: Joint) -> dict[str, float]:
     """The dimensionless groups of ``joint``, in the order of `SPANS`."""
-    inner, dry, block = joint.inner, joint.dry, joint.elastic
+    inner, dry = joint.material_of(Kind.INNER), joint.material_of(Kind.DRY)
+    block = joint.elastic
     require_positive(cohesion=inner.cohesion)
     top = joint.a * joint.total_width
     values = (

@@ -11,6 +11,7 @@ from itertools import pairwise
 
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
+from sidmacib.mechanics.assembly import Kind
 from sidmacib.validation import refused, require_not_negative, require_positive, require_whole
 
 
@@ -81,12 +82,13 @@ def pairs_of(joint: Joint, push: Push = Push.PLUS_Y, share: LoadShare = LoadShar
     between two pairs has two cuts, Kn a H / 2; one rigid piece has none. ValueError unless these
     stiffnesses are finite and above 0.
     """
-    root = joint.inner.shear_stiffness * joint.a * joint.b
-    contact = joint.dry.normal_stiffness * joint.a * joint.h
+    inner, dry = joint.material_of(Kind.INNER), joint.material_of(Kind.DRY)
+    root = inner.shear_stiffness * joint.a * joint.b
+    contact = dry.normal_stiffness * joint.a * joint.h
     require_positive(**{"Ks a b": root, "Kd a h": contact})
     pair = 1.0 / (2.0 / root + 1.0 / contact)
     one_piece = joint.upper_body is UpperBody.MONOLITHIC
-    lag = 0.0 if one_piece else 2.0 * pair / (joint.inner.normal_stiffness * joint.a * joint.H)
+    lag = 0.0 if one_piece else 2.0 * pair / (inner.normal_stiffness * joint.a * joint.H)
     first = joint.is_upper(1 if push is Push.PLUS_Y else joint.locks)
     on_lock = joint.h / (joint.h + joint.H) if first and share is LoadShare.FACE else 0.0
     return Pairs(bearing_pairs(joint, push), lag, on_lock * pair / root)
