@@ -65,6 +65,9 @@ class FaceMaterial:
         require_kinds(self)
 
 
+SOFTENED = ("residual", "fracture_energy")  # numbers of bonds that soften
+
+
 class Failure(StrEnum):
     """Behaviour of a node of an inner face that has reached its strength."""
 

@@ -16,7 +16,7 @@ from sidmacib.engines.engine import Numerics
 from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.joint.parameters import SIZES
-from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
+from sidmacib.mechanics.assembly import SOFTENED, FaceMaterial, Failure, NodeLayout
 from sidmacib.quantities import (
     FractureEnergy,
     Friction,
@@ -31,6 +31,7 @@ from sidmacib.quantities import (
     shown,
 )
 from sidmacib.reading import Section, Some, changes_to, section_of
+from sidmacib.validation import kinds_of
 from workflow.schema.values import Eccentricities, Lengths, Name, Positive
 
 _KEYS: Any = section_of(Numerics)
@@ -119,8 +120,7 @@ class SidmacibSection(Section):
 
 
 MOST_LOCKS = 101
-STIFFNESSES = ("normal_stiffness", "shear_stiffness")
-STRENGTHS = ("cohesion", "tensile_strength")
+OF_BONDS = (*SOFTENED, "bond_friction")  # not keys of dry faces
 
 _Weight = Annotated[float, Number(above=0, unit="kg/m3")]
 _Cohesion = Annotated[float, Number(above=0, unit="Pa")]
@@ -130,7 +130,10 @@ _Locks = Annotated[int, Number(at_least=1, at_most=MOST_LOCKS, whole=True)]
 _SIZES: Any = section_of(Joint, *SIZES)
 _INNER: Any = section_of(INNER, cohesion=_Cohesion)
 _DRY: Any = section_of(
-    DRY, *STIFFNESSES, "friction", *STRENGTHS, **dict.fromkeys(STRENGTHS, _NoStrength)
+    DRY,
+    *(name for name in kinds_of(FaceMaterial) if name not in OF_BONDS),
+    cohesion=_NoStrength,
+    tensile_strength=_NoStrength,
 )
 
 

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import DRY, FIXED_PLATE, INNER, HeldDown
-from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
+from sidmacib.mechanics.assembly import SOFTENED, FaceMaterial, NodeLayout
 from sidmacib.mechanics.crushing import CompressiveStrength, CrushedMaterial
 from sidmacib.quantities import Count, Length, Number, one_of, shown
 from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
@@ -23,12 +23,10 @@ from sidmacib.structure.files.file_section import FileSection
 from sidmacib.structure.files.loads import LoadCaseSection, LoadSection, PermanentSection
 from sidmacib.structure.files.selection import Between
 from sidmacib.structure.locks import ALL, Condensed, Locks
+from sidmacib.validation import kinds_of
 
 INTERFACE = FaceMaterial(1e10, 1e10, friction=0.7, cohesion=0.0, tensile_strength=0.0)
-NUMBERS = (
-    *("normal_stiffness", "shear_stiffness", "friction", "cohesion", "tensile_strength"),
-    "bond_friction",
-)
+NUMBERS = tuple(name for name in kinds_of(FaceMaterial) if name not in SOFTENED)
 Positive = Annotated[float, Number(above=0)]
 _Index = Annotated[int, Number(at_least=0, whole=True)]
 _Density = Annotated[float, DENSITIES]
