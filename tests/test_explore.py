@@ -21,6 +21,7 @@ from analysis.explore.state import (
 from sidmacib.answers.joint import meshes
 from sidmacib.joint import Direction
 from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.problem import Problem
 from sidmacib.rule import law
@@ -30,6 +31,7 @@ STATES = (
     Settings(),
     Settings(locks=3, H=60.0, one_piece=True, young=10.0),
     Settings(locks=4, friction=0.0, pressure=50.0, eccentricity=0.0),
+    checked({name: slider.least + 9 * slider.step for name, slider in SLIDERS.items()}).state,
 )
 
 
@@ -71,10 +73,8 @@ def test_whatever_is_posted_lies_on_the_sliders(values: dict[str, float]) -> Non
 def test_the_configuration_is_a_study_of_the_same_joint(state: Settings) -> None:
     study = read_study(yaml.safe_load(as_configuration(state).replace("e+", "e")))
     joint, expected = study.joint("mine"), state.joint
-    for name in ("locks", "a", "b", "h", "H", "upper_body", "hold_down", "elastic"):
-        assert getattr(joint, name) == getattr(expected, name), name
-    assert joint.inner.cohesion == expected.inner.cohesion
-    assert joint.dry.friction == expected.dry.friction
+    for name in {*PARAMETERS} & {*SLIDERS, "upper_body", "hold_down", "poisson"}:
+        assert PARAMETERS[name].of(joint) == PARAMETERS[name].of(expected), name
 
 
 @pytest.mark.parametrize("state", STATES)

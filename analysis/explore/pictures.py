@@ -228,7 +228,7 @@ def covered(state: Settings) -> dict[str, tuple[float, float] | None]:
 
 
 def _is_covered(state: Settings, name: str, value: float) -> bool:
-    changed = replace(state, **{name: int(value) if name == "locks" else value})  # type: ignore[arg-type]
+    changed = replace(state, **{name: int(value) if name == "locks" else value})
     try:
         require_covered(changed.joint)
     except ValueError:

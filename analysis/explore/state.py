@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, make_dataclass
 from typing import Any, Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
 from sidmacib.joint import INNER, HoldDown, Joint, UpperBody
-from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_parameters
+from sidmacib.joint.parameters import PARAMETERS, Parameter, with_parameters
 
 FIRST = Joint(5)
 KEPT = "kept"  # in a link: the query of what is kept for comparison
@@ -51,22 +51,17 @@ SLIDERS = {
 }
 UNITS = {each.name: slider[4] if slider[3:] else 1.0 for each, slider in _SHOWN.items()}  # in SI
 
+_FIRST = {  # values of the sliders at first; no Young's modulus: rigid
+    **{name: (PARAMETERS[name].of(FIRST) or 0.0) / unit for name, unit in UNITS.items()},
+    **{"locks": FIRST.locks, "pressure": 0.0, "eccentricity": 0.3, "one_piece": False},
+}
+_VALUES: Any = make_dataclass(
+    "Values", [(name, type(value), value) for name, value in _FIRST.items()], frozen=True
+)
 
-@dataclass(frozen=True)
-class Settings:
+
+class Settings(_VALUES):
     """The sliders' values. Lengths in mm, stresses in kPa, E in GPa (0: rigid), e over a."""
-
-    locks: int = FIRST.locks
-    a: float = 1e3 * FIRST.a
-    b: float = 1e3 * FIRST.b
-    h: float = 1e3 * FIRST.h
-    H: float = 1e3 * FIRST.H
-    cohesion: float = FIRST.inner.cohesion / 1e3
-    friction: float = FIRST.dry.friction
-    young: float = 0.0
-    pressure: float = 0.0
-    eccentricity: float = 0.3
-    one_piece: bool = False
 
     @property
     def joint(self) -> Joint:
@@ -138,10 +133,8 @@ Read = Callable[[Mapping[str, object]], Checked[State]]
 def checked(given: Mapping[str, object]) -> Checked[Settings]:
     """The settings nearest to ``given`` that the sliders allow; others have their default."""
     values, notes = nearest_values(given, Settings().values, SLIDERS)
-    state = Settings(
-        **values | {"locks": int(values["locks"]), "one_piece": bool(values["one_piece"])}  # type: ignore[arg-type]
-    )
-    return Checked(state, tuple(notes))
+    whole = {"locks": int(values["locks"]), "one_piece": bool(values["one_piece"])}
+    return Checked(Settings(**values | whole), tuple(notes))
 
 
 def nearest_values(
@@ -209,20 +202,30 @@ def beside(found: Checked[State], kept: Checked[State] | None) -> Checked[State]
     return Checked(found.state, (*found.notes, *(f"Kept: {n}" for n in kept.notes)), kept.state)
 
 
+# Fields of a joint that sliders set; the tensile strength is set with the cohesion.
+FIELDS = (*(place for each in _SHOWN for place in each.fields), "inner.tensile_strength")
+
+
+def _given(joint: Joint, part: str, sign: str) -> str:
+    """Fields of a ``part`` of ``joint`` that sliders set, with a ``sign`` before each value."""
+    whole = getattr(joint, part) if part else joint
+    names = [name for of, _, name in (place.rpartition(".") for place in FIELDS) if of == part]
+    return ", ".join(f"{name}{sign}{getattr(whole, name):g}" for name in names if name != "locks")
+
+
 def as_configuration(state: Settings) -> str:
     """A study of the joint, as YAML."""
+    joint = state.joint
     hold = f"{{pressure: {1e3 * state.pressure:g}}}" if state.pressure else "plate"
     lines = [
         "samples:",
         f"  mine: {{locks: {state.locks}}}",
-        f"geometry: {{a: {state.a / 1e3:g}, b: {state.b / 1e3:g}, h: {state.h / 1e3:g}, "
-        f"H: {state.H / 1e3:g}}}",
+        f"geometry: {{{_given(joint, '', ': ')}}}",
         "materials:",
-        *([f"  young: {1e9 * state.young:g}"] if state.young else []),
-        f"  inner: {{cohesion: {1e3 * state.cohesion:g}, "
-        f"tensile_strength: {state.joint.inner.tensile_strength:g}}}",
-        f"  dry: {{friction: {state.friction:g}}}",
-        f"assembly: {{upper_body: {state.joint.upper_body}, hold_down: {hold}"
+        *([f"  {_given(joint, 'elastic', ': ')}"] if joint.elastic else []),
+        f"  inner: {{{_given(joint, 'inner', ': ')}}}",
+        f"  dry: {{{_given(joint, 'dry', ': ')}}}",
+        f"assembly: {{upper_body: {joint.upper_body}, hold_down: {hold}"
         f"{', pieces: elastic' if state.young else ''}}}",
         "meshes: [0.02]",
         f"eccentricities: [0, {state.eccentricity:g}, torsion]"
@@ -238,14 +241,9 @@ def as_configuration(state: Settings) -> str:
 def as_python(state: Settings) -> str:
     """The joint as Python."""
     joint = state.joint
-    given = [
-        f"{state.locks}",
-        *(f"{name}={getattr(joint, name):g}" for name in SIZES),
-        "inner=inner",
-        "dry=dry",
-    ]
-    if state.young:
-        given.append(f"elastic=sidmacib.Elastic({joint.elastic.young:g})" if joint.elastic else "")
+    given = [f"{state.locks}", _given(joint, "", "="), "inner=inner", "dry=dry"]
+    if joint.elastic:
+        given.append(f"elastic=sidmacib.Elastic({joint.elastic.young:g})")
     if state.one_piece:
         given.append("upper_body=UpperBody.MONOLITHIC")
     if state.pressure:
@@ -256,9 +254,8 @@ def as_python(state: Settings) -> str:
             "import sidmacib",
             *(["from sidmacib import UpperBody"] if state.one_piece else []),
             "",
-            f"inner = replace(sidmacib.Joint(3).inner, cohesion={joint.inner.cohesion:g}, "
-            f"tensile_strength={joint.inner.tensile_strength:g})",
-            f"dry = replace(sidmacib.Joint(3).dry, friction={state.friction:g})",
+            f"inner = replace(sidmacib.Joint(3).inner, {_given(joint, 'inner', '=')})",
+            f"dry = replace(sidmacib.Joint(3).dry, {_given(joint, 'dry', '=')})",
             f"joint = sidmacib.Joint({', '.join(given)})",
             f"direction = sidmacib.Direction({state.eccentricity:g})",
             "print(sidmacib.law(joint, direction), sidmacib.safe(joint, direction))",
