@@ -120,9 +120,9 @@ def capacity(
 
     safe: the law less a margin for the error of the model. law: estimate of the first bond failure.
     static: peak load of a model with brittle bonds. limit: limit analysis with ductile bonds.
-    sidmacib: the published rule. yade, liggghts, calculix: distinct or finite elements, by the
-    program of that name, which must be installed. Default: safe, law and static; for elastic
-    blocks safe and law only, as static takes minutes.
+    sidmacib: the published rule. All others: distinct or finite elements, by the program of that
+    name, which must be installed. Default: safe, law and static; for elastic blocks safe and law
+    only, as static takes minutes.
 
     Columns: "first failure / load" is the load at the first bond failure, "mesh error / load" the
     estimated discretisation error, "peak spread" the range of the peaks found, each divided by the
