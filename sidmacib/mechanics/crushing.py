@@ -14,22 +14,24 @@ is the rectangular stress block of limit analysis of masonry arches, in both dir
 ARCH'07, Madeira, 2007).
 """
 
+import importlib
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array
-from scipy.spatial import ConvexHull
 
 from sidmacib.errors import UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Face, FaceMaterial, Floats, Integers, Kind
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number
 from sidmacib.validation import require_kinds
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 # Directions of stress blocks, from the normal of a side to that of the next; the factor from a
 # depth to the next, and the number of depths.
@@ -109,7 +111,8 @@ def _stress_blocks(outline: shapely.Polygon) -> StressBlocks:
                 block = square.intersection(_beyond(way, high - depth, 3.0))
                 place = np.array([block.centroid.x, block.centroid.y])
                 found.append(block.area / square.area * np.array([1.0, *place]))
-    planes = ConvexHull(np.array(found)).equations
+    # Imported here: it takes longer to import than most cases without crushing to prepare.
+    planes = importlib.import_module("scipy.spatial").ConvexHull(np.array(found)).equations
     size = float(sides.max())
     normals = planes[:, :3] / np.array([1.0, *(sides / size)])
     return StressBlocks(normals, np.where(-planes[:, 3] > FLAT, -planes[:, 3], 0.0), size)
@@ -169,7 +172,7 @@ class Limited:
 
 def crushing_rows(
     assembly: Assembly, unit: Floats, load: float, faces: Collection[int]
-) -> tuple[csr_array, Floats] | None:
+) -> "tuple[csr_array, Floats] | None":
     """Limits of pressing node forces in ``unit`` (N), (N,): rows (K, N), and limits, (K,).
 
     Both in units of a ``load`` (N). ``faces``: numbers of those that are limited; None if no such
@@ -189,6 +192,7 @@ def crushing_rows(
         return None
     ends = np.concatenate([[0], np.cumsum(counts)])
     shape = (len(counts), len(unit))
+    csr_array = importlib.import_module("scipy.sparse").csr_array
     return csr_array((np.concatenate(rows), np.concatenate(columns), ends), shape), np.concatenate(
         limits
     )
