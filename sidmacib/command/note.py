@@ -172,9 +172,9 @@ def _checks(case: Case, resistance: float) -> Iterator[Cells]:
         for each, (low, high) in list(SPANS.items())[:4]
     )
     found = f"{ranges}, and {len(SPANS) - 4} others"
-    yield "Ranges that the rule was tested in", found, "within"
+    yield "The joint is in the ranges that the rule was tested in", found, "verified"
     if case.joint.elastic is None:
-        yield "Static model on a finer mesh, given strengths", *_static(case, resistance)
+        yield "First failure on a finer mesh is above the resistance", *_static(case, resistance)
     if case.needed is not None:
         usage = case.needed / resistance
         found = f"{case.needed:.4g} N / {resistance:.4g} N = {usage:.3f}"
@@ -191,4 +191,4 @@ def _static(case: Case, resistance: float) -> tuple[str, str]:
     part = found.first_failure or 1.0
     shown = f"peak {case.both(found.load)}; first failure at {part:.3f} of it"
     shown += f"; mesh error {100.0 * error:.2g} %" if error is not None else ""
-    return shown, "above" if resistance <= part * found.load else "BELOW"
+    return shown, "verified" if resistance <= part * found.load else "NOT verified"
