@@ -156,9 +156,11 @@ def test_output_that_finds_no_room_ends_with_one_line(form: str) -> None:
     assert (found.returncode, found.stderr) == (1, "Error: No space left on device\n")
 
 
-@pytest.mark.parametrize("option", ["--picture", "--note"])
-def test_a_file_that_finds_no_room_is_named_in_one_line(option: str, tmp_path: Path) -> None:
-    path = tmp_path / "drawn.svg"
+@pytest.mark.parametrize(("option", "name"), [("--picture", "drawn.svg"), ("--note", "n.html")])
+def test_a_file_that_finds_no_room_is_named_in_one_line(
+    option: str, name: str, tmp_path: Path
+) -> None:
+    path = tmp_path / name
     path.symlink_to(FULL)
     words = ("capacity", "-n", "3", "-m", "law", option, str(path))
     found = command(*words, stdout=subprocess.DEVNULL)
