@@ -18,6 +18,8 @@ for _sign in ("", "+", "-"):
 for _name, _value in {"null": None, "true": True, "false": False}.items():
     _WORDS |= dict.fromkeys((_name, _name.title(), _name.upper()), _value)
 
+MAX_DEPTH = 20  # far below what makes PyYAML's parser in C crash
+
 
 class TextError(ValueError):
     """The text is not one YAML document of plain values; the message is one line."""
@@ -25,6 +27,15 @@ class TextError(ValueError):
 
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     yaml_constructors: dict[str | None, Any] = {}  # noqa: RUF012 (PyYAML's): no tags but these
+    depth = 0
+
+    def descend_resolver(self, parent: yaml.Node, index: Any) -> None:
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            raise _fault(parent, f"nested too deeply; at most {MAX_DEPTH} levels are allowed")
+
+    def ascend_resolver(self) -> None:
+        self.depth -= 1
 
     def resolve(self, kind: type[yaml.Node], value: str, implicit: tuple[bool, bool]) -> Any:
         return "plain" if kind is yaml.ScalarNode and implicit[0] else kind.id  # type: ignore[attr-defined]

@@ -21,18 +21,30 @@ def test_flags_go_before_a_file(tmp_path: Path) -> None:
     [
         ("lock: 5", "'lock': unknown key; the keys here are locks, a, b, h, H, "),
         ("a: wide", "a: 'wide' is not a number; it must be a number greater than 0 (m)"),
+        ("a: true", "a: true is not a number"),
+        ("a:", "a: null is not a number"),
+        ("[1, 2]", "must have names and values"),
         ("", "must have names and values"),
         ("a: -1", "a: -1 is not allowed; it must be greater than 0 (m)"),
         ("dry_stiffness: -1", "dry_stiffness: -1 is not allowed; it must be greater than 0 (Pa/m)"),
         ("poisson: 0.7", "poisson: 0.7 has no effect on rigid pieces; give young too"),
         ("locks: 5.5", "locks: 5.5 is not allowed; it must be a whole number from 1 to 300"),
         ("locks: 3\nlocks: 9", "line 2: 'locks' appears twice"),
+        ("locks: 010", "locks: '010' is not a number"),
+        ("a: 1:30", "a: '1:30' is not a number"),
         ("hold_down: []", "hold_down: an empty list is not allowed; it must be plate, weight, "),
+        ("hold_down: {}", "hold_down: an empty mapping is not allowed"),
+        ("hold_down: {force: [1]}", "hold_down: force: a list is not a number"),
         (
             "hold_down: {force: -1}",
             "hold_down: force: -1 is not allowed; it must be at least 0 (N)",
         ),
+        ("hold_down: 1:30", "hold_down: '1:30' is not allowed; it must be plate, weight, "),
+        ("upper_body: 3", "upper_body: 3 is not allowed; it must be columns, joined or monolithic"),
         ("failure: soft", "failure: 'soft' is not allowed; it must be brittle, softening or"),
+        ("a: 1" + "0" * 400, "is not a number"),
+        ("a: \0", "line 1: not text"),
+        ("a: !!python/name:os.system 1", "the tag tag:yaml.org,2002:python/name:os.system is"),
     ],
 )
 def test_faults_in_a_file_are_told_with_its_name(tmp_path: Path, content: str, words: str) -> None:
@@ -48,7 +60,7 @@ def test_faults_in_a_file_are_told_with_its_name(tmp_path: Path, content: str, w
 
 @pytest.mark.parametrize(
     ("path", "words"),
-    [("/", "not a file"), ("/none", "No such file or directory")],
+    [("/dev/zero", "not a file"), ("/", "not a file"), ("/none", "No such file or directory")],
 )
 def test_what_is_no_file_is_not_read(path: str, words: str) -> None:
     found = run("law", "--file", path)

@@ -1,6 +1,7 @@
 """Reading a configuration: whatever is in the file, a study or one clear line for each fault."""
 
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -34,18 +35,31 @@ def written(folder: Path, text: str | bytes) -> Path:
 # --- texts ---------------------------------------------------------------------------------------
 NASTY: list[tuple[str | bytes, str]] = [
     ("# caf\xe9\nsamples: {}".encode("latin-1"), "line 1: not UTF-8 text; save the file as UTF-8"),
+    (STUDY.encode("utf-16"), "line 1: not UTF-8 text"),
+    (bytes(range(256)), "line [12]: not UTF-8 text"),
     (STUDY.encode() + b"\0", "line 2: not text; it contains a control character"),
     ("samples:\n\tn3: {locks: 3}", "line 2: a tab where spaces are needed; indent with spaces"),
+    ("meshes: " + "[" * 100_000, "line 1: nested too deeply; at most 20 levels are allowed"),
+    ("meshes: " + "{a: " * 100_000, "line 1: nested too deeply"),
+    ("- " * 100_000, "line 1: nested too deeply"),
+    ("a: &a [*a]", "line 1: not YAML: found unconstructable recursive node"),
     ("a: *b", "line 1: not YAML: found undefined alias"),
     (f"{STUDY}geometry: {{a: 0.06}}\ngeometry: {{a: 0.07}}", "line 3: 'geometry' appears twice"),
     ("samples: {n3: {locks: 3, locks: 5}}", "line 1: 'locks' appears twice; each key must appear"),
     ("samples: !!python/object/apply:os.system [ls]", "line 1: the tag tag:yaml.org.* not allowed"),
+    (f"{STUDY}meshes: !!set {{0.02}}", "line 2: the tag .*set is not allowed; leave it out"),
+    (f"{STUDY}meshes: !!float x", "line 2: the tag .*float is not allowed"),
+    (f"{STUDY}geometry: {{a: !x 1}}", "line 2: the tag !x is not allowed"),
     ("- samples", "a list is not a study; it must be a mapping of keys to values"),
     ("samples", "'samples' is not a study"),
+    ("42", "42 is not a study"),
     ("? [1, 2]\n: 3", "line 1: a list or mapping as a key; keys must be plain words"),
     (f"{STUDY}---\n{STUDY}", "line 2: not YAML: expected a single document"),
+    ("samples: {n3: {locks: 3}", "line [12]: not YAML: "),
     ("samples: @n3", "line 1: not YAML: "),
     ("", "samples: missing; it must name at least one, unless structures does"),
+    ("# nothing", "samples: missing"),
+    ("---\n...\n", "samples: missing"),
 ]
 
 
@@ -61,10 +75,35 @@ def test_a_text_that_is_no_study_is_refused_in_one_line(
 
 
 VALUES = [  # that YAML, or its writing, makes a difference to; others: cases/refused_studies.yaml
+    ("geometry: {a: %s}" % ("9" * 5000), "geometry.a: '9999.*' is not a number; it must be "),
+    ("samples: {n3: {locks: 1%s}}" % ("0" * 400), "samples.n3.locks: '1000.*' is not a number"),
+    ("geometry: {a: 1e999}", "geometry.a: '1e999' is not a number; .* greater than 0 .m."),
+    ("geometry: {a: .inf}", "geometry.a: inf is not allowed"),
     ("geometry: {a: 2024-01-01}", "geometry.a: '2024-01-01' is not a number"),
     ("geometry: {a: 1:30}", "geometry.a: '1:30' is not a number"),
+    ("geometry: {a: 0x10}", "geometry.a: '0x10' is not a number"),
     ("geometry: {a: 010}", "geometry.a: '010' is not a number"),
     ("eccentricities: [yes]", "eccentricities.1: 'yes' is not allowed; .*, or torsion"),
+    ("geometry: {a: 1_000}", "geometry.a: '1_000' is not a number"),
+    ("geometry: {a: [1]}", "geometry.a: a list is not a number"),
+    ("dem:", "dem: null is not allowed; it must be a mapping"),
+    ("eccentricities: [.nan]", "eccentricities.1: nan is not allowed"),
+    (f"eccentricities: [{'9' * 5000}]", "eccentricities.1: '999.* is not allowed"),
+    (f"{'x' * 500}: 1", "'xxxx.*...': unknown key; allowed keys: results, samples, "),
+    ('"a\\nb": 1', r"'a\\nb': unknown key"),
+    ('"\\0": 1', r"'\\x00': unknown key"),
+    ("samples: {%s: {locks: 3}}" % ("n" * 300), "samples: 'nnn.*' is too long; a name must"),
+    ('results: "a\\0b"', r"results: 'a\\x00b' is not allowed; .* must be made of letters"),
+    ('results: "a\\nb"', r"results: 'a\\nb' is not allowed"),
+    ("results: ~/x", "results: '~/x' is not allowed"),
+    ("results: out/..", "results: .* is not allowed; it must name a folder, not /, . or .."),
+    (
+        "results: %s" % ("r" * 300),
+        "results: 'rrr.*' is too long; each part must have at most 200 bytes",
+    ),
+    ("results: ' '", "results: ' ' is not allowed; it must be the name of a folder"),
+    ("results: true", "results: true is not allowed"),
+    ("meshes: [1e-300]", "meshes: 1e-300 m is too fine"),
     ("overrides: {[x]: {}}", "line 2: a list or mapping as a key"),
 ]
 
@@ -89,13 +128,19 @@ def test_many_faults_end_with_how_many_more_there_are(tmp_path: Path) -> None:
 
 # --- files ---------------------------------------------------------------------------------------
 def test_a_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
     for path, message in (
         (tmp_path, "not a file"),
         (tmp_path / "missing.yaml", "No such file or directory"),
+        (tmp_path / "pipe", "not a file"),
         (Path("/dev/zero"), "not a file"),
+        (tmp_path / ("x" * 300), "File name too long"),
+        (Path("a\0b"), "embedded null (byte|character)"),
     ):
-        with pytest.raises(ConfigError, match=message):
+        with pytest.raises(ConfigError, match=message) as error:
             read_study_file(path)
+        assert len(str(error.value)) < LETTERS
+        assert str(error.value).isprintable()
 
 
 def test_a_file_is_no_results_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
