@@ -19,16 +19,15 @@ BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY = (
 VM_RATIOS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)
 
 
-def write_figure(figure: "Figure", to: Path | IO[str], form: str = "", **how: Any) -> None:
-    """Write ``figure`` into a file or a stream, always the same bytes.
+def write_figure(figure: "Figure", to: Path | IO[str], **how: Any) -> None:
+    """Write ``figure`` into a .svg, .pdf or .png file, or as SVG into a stream; always the same.
 
-    ``form``: svg, pdf or png, by default the ending of the file. ``how``: as
-    `matplotlib.figure.Figure.savefig` takes it. ValueError for a form that it does not know.
+    ``how``: as `matplotlib.figure.Figure.savefig` takes it.
     """
-    form = form or (to.suffix[1:].lower() if isinstance(to, Path) else "svg")
+    form = to.suffix[1:].lower() if isinstance(to, Path) else "svg"
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
     with importlib.import_module("matplotlib").rc_context({"svg.hashsalt": "multilock"}):
-        figure.savefig(to, format=form or None, metadata=dates.get(form), **how)
+        figure.savefig(to, format=form, metadata=dates[form], **how)
 
 
 def vm_axes(axes: "Axes", title: str) -> None:

@@ -120,20 +120,22 @@ def assembly(
     with refused_in_one_line():
         from sidmacib.command.assembly import Wanted, answered
         from sidmacib.command.structures import added_keys
-        from sidmacib.structure.files.structure_file import description_in, of_other_blocks
+        from sidmacib.structure.files.structure_file import description_in
 
         files = compas, curve, picture, report, note
         wanted = Wanted(form, interfaces, case, without_load, *files, engines)
         if report is not None:
             _require_plotly()
-        if other := of_other_blocks(file):
-            click.echo(f"Note: {other} is not read, as it has blocks itself", err=True)
-        description = description_in(file, added_keys(**options), alone=bool(other))
+        description = description_in(file, added_keys(**options), _note_left_out)
         rows, passes = answered(file, description, wanted)
     if rows is not None:
         require_answer(rows)
     if not passes:
         sys.exit(1)
+
+
+def _note_left_out(name: str) -> None:
+    click.echo(f"Note: {name} is not read, as it has blocks itself", err=True)
 
 
 def _require_plotly() -> None:

@@ -164,11 +164,8 @@ def writing(flag: str, path: Path) -> Iterator[None]:
 
 def draw(figure: "Figure", path: Path) -> None:
     """Write ``figure`` into a file whose ending tells its kind; `click.UsageError`."""
-    try:
-        with writing("--picture", path):
-            write_figure(figure, path, dpi=150)
-    except ValueError as error:
-        raise click.UsageError(f"--picture {path}: {error}") from None
+    with writing("--picture", path):
+        write_figure(figure, path, dpi=150)
 
 
 def write_text(text: str, path: Path, flag: str) -> None:

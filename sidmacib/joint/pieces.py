@@ -139,7 +139,8 @@ def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
     index = {piece.name: i for i, piece in enumerate(pieces)}
     monolithic = joint.upper_body is UpperBody.MONOLITHIC
     plate = joint.hold_down.kind is Hold.PLATE
-    between = joint.material_of(Kind.INNER)
+    laws = {kind: joint.material_of(kind) for kind in (Kind.INNER, Kind.DRY, Kind.PLATE)}
+    between = laws[Kind.INNER]
     if joint.upper_body is UpperBody.JOINED:
         between = replace(
             between,
@@ -151,7 +152,7 @@ def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
         kind: Kind, below: str, above: str, name: str = "", inner: FaceMaterial = between
     ) -> Rectangle:
         pair = index[below], index[above]
-        law = inner if kind is Kind.INNER else joint.material_of(kind)
+        law = {**laws, Kind.INNER: inner}[kind]
         return shared_face(name or f"{kind}-{below}-{above}", kind, law, pieces, pair)
 
     for lock in joint.numbers:

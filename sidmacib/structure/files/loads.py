@@ -1,11 +1,13 @@
 """The keys of a structure's file for loads: permanent ones, one that is raised, load cases."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
+from sidmacib.joint.parameters import beyond
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
 from sidmacib.quantities import Density, Number, Span
 from sidmacib.reading import Keys, Some, Text, Vector, Way
@@ -31,7 +33,8 @@ _Level = Annotated[float, Number(unit="m")]
 _Within = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
 _Range = Annotated[tuple[float, float], Span(Number(unit="m"))]
 WATER, SOIL = 1000.0, 1800.0  # kg/m3
-LIGHT, STEEP = 500.0, 15.0  # kg/m3, and a coefficient: earth below, or above, is doubted
+EARTH = Number(unit="kg/m3", likely=(500.0, math.inf))  # below are kN/m3 and t/m3
+STEEP = 15.0  # coefficient of earth pressure: a larger one is doubted
 OUTSIDE = 0.01  # of a block, over its size: a force that is further away is doubted
 
 
@@ -353,16 +356,12 @@ def load_warnings(
     for key, each in pushed.items():
         if each.force and each.force.block in named:
             block, at = named[each.force.block], np.array(each.force.at)
-            beyond = np.maximum(block.places.min(axis=0) - at, at - block.places.max(axis=0))
-            away = float(np.linalg.norm(np.maximum(beyond, 0.0)))
+            apart = np.maximum(block.places.min(axis=0) - at, at - block.places.max(axis=0))
+            away = float(np.linalg.norm(np.maximum(apart, 0.0)))
             if away > OUTSIDE * block.size:
                 yield f"{key}.force.at: is {away:.3g} m outside of block {block.name}"
         if isinstance(each, PermanentSection) and (earth := each.earth):
-            if earth.density < LIGHT:
-                yield (
-                    f"{key}.earth.density: {earth.density:g} kg/m3 is very small; is it in kg/m3? "
-                    f"18 kN/m3 are {18e3 / GRAVITY:.0f} kg/m3"
-                )
+            yield from beyond([(f"{key}.earth.density", earth.density, EARTH)])
             if earth.coefficient > STEEP:
                 yield (
                     f"{key}.earth.coefficient: {earth.coefficient:g} is very large; of an angle of "

@@ -1,7 +1,7 @@
 """A structure and its load from a YAML file; every fault in one line that names the key."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -41,23 +41,29 @@ def read_structure(path: Path, more: Mapping[str, Any] | None = None) -> Problem
 
 
 def description_in(
-    path: Path, more: Mapping[str, Any] | None = None, *, alone: bool = False
+    path: Path,
+    more: Mapping[str, Any] | None = None,
+    left_out: Callable[[str], object] | None = None,
 ) -> Any:
     """What is in a file; of one of COMPAS, Rhino or meshes with what the YAML beside it adds.
 
     By default such blocks are pushed along x. ``more``: keys that are added to those of the file,
-    and `blocks` with keys for the blocks of a file that is no YAML. ``alone``: without the YAML.
+    and `blocks` with keys for the blocks of a file that is no YAML. ``left_out``: is told the name
+    of a YAML beside the file that has blocks itself, and so adds nothing; else that is an error.
     """
     more = dict(more or {})
     of_blocks = more.pop("blocks", {})
     if path.suffix.lower() in OF_BLOCKS:
-        given = {} if alone else _beside(path)
+        beside = path.with_suffix(".yaml")
+        given = read_yaml(beside) if beside.is_file() else {}
         if isinstance(given, dict) and "blocks" in given:
-            beside = path.with_suffix(".yaml").name
-            raise ValueError(
-                f"{beside}: blocks: must not be there, as {path.name} beside it has them; "
-                f"name {beside} in its place, or rename one of them"
-            )
+            if left_out is None:
+                raise ValueError(
+                    f"{beside.name}: blocks: must not be there, as {path.name} beside it has them; "
+                    f"name {beside.name} in its place, or rename one of them"
+                )
+            left_out(beside.name)
+            given = {}
         own = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
         given = own | given if isinstance(given, dict) else given
     else:
@@ -73,17 +79,6 @@ def description_in(
         both = isinstance(held, dict) and isinstance(value, dict)
         given[key] = {**held, **value} if both and held else value
     return given
-
-
-def of_other_blocks(path: Path) -> str:
-    """The name of a YAML beside a file of blocks that has blocks itself; nothing if none is."""
-    given = _beside(path)
-    return path.with_suffix(".yaml").name if isinstance(given, dict) and "blocks" in given else ""
-
-
-def _beside(path: Path) -> Any:
-    beside = path.with_suffix(".yaml")
-    return read_yaml(beside) if path.suffix.lower() in OF_BLOCKS and beside.is_file() else {}
 
 
 def structure_of(description: Any, folder: Path = Path()) -> Problem:
