@@ -1,7 +1,6 @@
 """The models of the joint's pieces beside each other, and the effects of variants."""
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
 
 import numpy as np
 import pandas as pd
@@ -13,11 +12,10 @@ from analysis.drawing import label_of
 from analysis.figures import shown_samples, style
 from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.style import FigureData
+from analysis.static_path import behind, path_again
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
-from sidmacib.errors import CapacityError
 from sidmacib.joint import UpperBody
-from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import LAWS, REFERENCE_MODEL
 from workflow.case import REFERENCE
 from workflow.cases import cases_of
@@ -54,7 +52,7 @@ def models(material: FigureData) -> Figure:
     weights.set_title(f"weights at {place}", loc="left", fontsize=10)
     _displacements(moved, material.models, first)
     moved.set_ylabel("√(V² + (M / a)²) (N)" if ratio else "load (N)")
-    behind = _path(moved, material)
+    path = _path(moved, material)
     moved.set_xlim(left=0)
     moved.set_ylim(bottom=0)
     moved.legend(fontsize=8)
@@ -67,7 +65,7 @@ def models(material: FigureData) -> Figure:
         "limit analysis redistributes freely, has no friction here and does not move: its weights "
         "are one state of many. Weight: shear on a lock over T0. Displacement: the one that the "
         "load works on; marks: at a quarter, half and three quarters of the first failure. "
-        f"{behind}Friction: V that reaches the lower body other than by its locks. "
+        f"{path}Friction: V that reaches the lower body other than by its locks. "
         f"{_of_rules(study)}{material.assumed_geometry}",
         height=0.13,
     )
@@ -128,22 +126,24 @@ def _path(axes: Axes, material: FigureData) -> str:
     ]
     if not first or REFERENCE_MODEL not in material.models:
         return ""
-    case = first[0]
-    try:
-        problem = case.subject.problem()
-        path = lowest_peak(*problem).path
-    except CapacityError:
+    again = path_again(first[0].subject)
+    if again is None:
         return ""
-    behind = [path[-1], *islice(after_peak(*problem, path[-1]), MOST_BEHIND)]
-    label = label_of(REFERENCE_MODEL)
-    for points, name, line in (
-        (path, label.name, {"linestyle": "-", "lw": 1.2}),
-        (behind, "behind the peak", {"linestyle": ":", "marker": "o", "ms": 3, "lw": 1.0}),
-    ):
+    problem, solution = again
+    path, ratio = solution.path, first[0].subject.direction.eccentricity
+    followed = behind(problem, path[-1], ratio, MOST_BEHIND)
+    lines = [(path, label_of(REFERENCE_MODEL).name, {"linestyle": "-", "lw": 1.2})]
+    if followed is not None:
+        dots = {"linestyle": ":", "marker": "o", "ms": 3, "lw": 1.0}
+        lines.append(((path[-1], *followed), "behind the peak", dots))
+    colour = label_of(REFERENCE_MODEL).colour
+    for points, name, line in lines:
         places = [1e6 * point.displacement for point in points]
-        axes.plot(places, [p.load for p in points], color=label.colour, label=name, **line)
-    axes.plot(1e6 * path[-1].displacement, path[-1].load, "*", color=label.colour, ms=9)
-    if len(behind) == 1:
+        axes.plot(places, [p.load for p in points], color=colour, label=name, **line)
+    axes.plot(1e6 * path[-1].displacement, path[-1].load, "*", color=colour, ms=9)
+    if followed is None:
+        return "Star: the peak. "
+    if not followed:
         return "Star: the peak; behind it no equilibrium is left. "
     return (
         "Star: the peak; dotted: what is left behind it if the load is let down as bonds fail, "

@@ -1,27 +1,23 @@
 """The static model's path from no load to the peak: for maps and a joint that moves."""
 
 from collections.abc import Iterable, Sequence
-from itertools import islice
 from typing import Any
 
 import numpy as np
 
+from analysis.static_path import behind, path_again
 from analysis.vtk import displacements
-from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import REFERENCE_MODEL
-from sidmacib.problem import Problem
 from workflow.case import REFERENCE, JointCase
 
 STEPS = 24  # of a path, at most
 NODE_STATES = 4_000  # of a path: nodes times steps, at most
 MOST_NODE_STATES = 400_000  # of all paths: what the page has room for
-MOST_NODES_BEHIND = 700  # of the inner faces: behind the peak nodes fail one after the other
 MOST_BEHIND = 60  # points behind a peak
 DIGITS, PLACES = 3, 5  # of what nodes carry, and of where they are
 
@@ -47,7 +43,7 @@ def paths_of(cases: Iterable[JointCase]) -> list[dict[str, Any]]:
 
 
 def path_of(case: JointCase) -> dict[str, Any] | None:
-    """Loads, stresses and movements along the path of ``case``; None if it has no peak.
+    """Loads, stresses and movements along the path of ``case``; None without one, see `path_again`.
 
     ``faces``: of each lock, where its nodes lie (x and y in m) and the load from which bonds fail.
     ``curve``: displacement along the load (m) and load (N) of all equilibria; ``behind``: the same
@@ -57,17 +53,17 @@ def path_of(case: JointCase) -> dict[str, Any] | None:
     """
     subject = case.subject
     joint, ratio = subject.joint, subject.direction.eccentricity
-    try:
-        problem = subject.problem()
-        solution = lowest_peak(*problem)
-    except CapacityError:
+    again = path_again(subject)
+    if again is None:
         return None
+    problem, solution = again
     path, assembly = solution.path, problem.assembly
     numbers = lock_faces(joint)
     faces = [index for index, face in enumerate(assembly.faces) if face.name in numbers]
     faces.sort(key=lambda index: numbers[assembly.faces[index].name])
     nodes = [np.flatnonzero(assembly.nodes.face == index) for index in faces]
     most = int(np.clip(NODE_STATES // sum(map(len, nodes)), 2, STEPS))
+    followed = behind(problem, path[-1], ratio, MOST_BEHIND)
     chosen = np.unique(np.linspace(0, len(path) - 1, most).round().astype(int))
     return {
         "case": subject.key,
@@ -77,7 +73,7 @@ def path_of(case: JointCase) -> dict[str, Any] | None:
         "push": 1 if subject.loading.push is Push.PLUS_Y else -1,
         "first": float(f"{solution.first_failure_load:.6g}"),
         "curve": [_point(point) for point in path],
-        "behind": _behind(problem, path[-1], sum(map(len, nodes)), ratio),
+        "behind": followed and [_point(point) for point in followed],
         "faces": [
             {
                 "lock": numbers[assembly.faces[index].name],
@@ -90,16 +86,6 @@ def path_of(case: JointCase) -> dict[str, Any] | None:
         ],
         "steps": [_step(path[place], assembly, joint, faces, nodes) for place in chosen],
     }
-
-
-def _behind(
-    problem: Problem, peak: Equilibrium, nodes: int, eccentricity: float
-) -> list[list[float]] | None:
-    """Points behind the ``peak``, where these are few: whole locks fail at once in pure shear."""
-    if nodes > MOST_NODES_BEHIND and eccentricity != 0.0:
-        return None
-    found = after_peak(problem.assembly, problem.loads, peak)
-    return [_point(point) for point in islice(found, MOST_BEHIND)]
 
 
 def _point(point: Equilibrium) -> list[float]:

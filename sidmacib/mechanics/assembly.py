@@ -322,6 +322,11 @@ class Assembly:
         return tuple(_shaped(face, Rectangle) for face in self.faces)
 
     @property
+    def elastic(self) -> bool:
+        """Whether a free piece is elastic."""
+        return any(piece.elastic is not None and not piece.fixed for piece in self.pieces)
+
+    @property
     def without_stiffness(self) -> str | None:
         """A refusal that names a face without stiffness; None if all faces have one."""
         name = next((face.name for face in self.faces if face.kind is Kind.LOCKED), None)

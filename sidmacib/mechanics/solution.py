@@ -135,17 +135,15 @@ class StaticSolution:
     ``first_failure_load``: in N, where the first node fails, or the peak if none does. ``path``:
     the equilibria; the last is the peak. ``mode``: why the load does not rise further.
     ``refinement``: the factor on the increments of the load at which the first failure converged.
-    ``collapsed``: what was left of the bonds when no equilibrium followed, see `NodeState.whole`;
-    None if the path ended otherwise. ``spread``: of the peaks that were found, the highest less the
-    lowest, over the lowest; see `sidmacib.mechanics.static.peaks`. ``turns``: whether it ends
-    because a piece would turn too far, with no bond at its strength, see `SmallRotations`.
+    ``spread``: of the peaks that were found, the highest less the lowest, over the lowest; see
+    `sidmacib.mechanics.static.peaks`. ``turns``: whether it ends because a piece would turn too
+    far, with no bond at its strength, see `SmallRotations`.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
     mode: Mode
     refinement: float = 1.0
-    collapsed: Floats | None = None
     spread: float = 0.0
     turns: bool = False
 

@@ -62,7 +62,7 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
     """
     if reason := assembly.without_stiffness:
         raise CapacityError(reason)
-    if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
+    if assembly.elastic:
         # Imported here: finite elements take longer to import than most joints to solve.
         elastic = importlib.import_module("sidmacib.mechanics.elastic.solver")
         return elastic.ElasticSolver(assembly, loads)
@@ -117,8 +117,8 @@ def another_peak(
     """A path like that of ``other`` up to the first failure, and by ``searches`` from there.
 
     ``solver``: that of ``other``; ``searches``: it, or one that finds other equilibria of the same
-    assembly. Where no equilibrium followed in ``other``, with the same bonds left, searches are not
-    thorough. Errors of `brittle_path`.
+    assembly. At the peak of ``other`` they are not thorough: whether a path ends there or goes on,
+    its peak is no lower. Errors of `brittle_path`.
     """
     last = next(i for i, at in enumerate(other.path) if at.load >= other.first_failure_load)
     path, failing = _raised(searches, [*other.path[: last + 1]], scale, other.refinement)
@@ -130,8 +130,7 @@ def another_peak(
 def _solution(solver: Solver, scale: float, found: "BrittlePath") -> StaticSolution:
     mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], scale)
     path = found.path[: found.peak + 1]
-    first, ending = found.first_failure_load, (found.refinement, found.collapsed)
-    return StaticSolution(first, path, mode, *ending, turns=found.turns)
+    return StaticSolution(found.first_failure_load, path, mode, found.refinement, turns=found.turns)
 
 
 @dataclass(frozen=True)
@@ -140,21 +139,15 @@ class BrittlePath:
 
     ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
     equilibria; those after the ``peak`` have its load, with more bonds broken. ``refinement``: a
-    factor on the increments. ``collapsed``: what was left of the bonds when no equilibrium followed
-    their failure, see `NodeState.whole`; None if the path ends otherwise. ``turns``: whether it
-    ends because a piece would turn too far, with no bond at its strength.
+    factor on the increments. ``by_bonds``: whether bonds fail at its end, with no equilibrium left.
+    ``turns``: whether it ends because a piece would turn too far, with no bond at its strength.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
     refinement: float
-    collapsed: Floats | None
+    by_bonds: bool
     turns: bool
-
-    @property
-    def by_bonds(self) -> bool:
-        """Whether it ends as bonds fail and no equilibrium follows."""
-        return self.collapsed is not None
 
     @property
     def peak(self) -> int:
@@ -188,16 +181,17 @@ def _after_first_failure(
 
     ``other``: another path of the same assembly, if it is known.
     """
-    first_failure, collapsed = path[-1].load, None
+    first_failure, by_bonds = path[-1].load, False
     near = SmallRotations(solver, max(MOST_ROTATION, TURNED * path[-1].rotation))
     while failing.any():
-        after, left = _redistributed(near, path[-1], failing, other)
+        thorough = other is None or path[-1].load < other.peak.load * (1.0 - HISTORY)
+        after = _redistributed(near, path[-1], failing, thorough=thorough)
         if after is None:
-            collapsed = left
+            by_bonds = True
             break
         path, failing = _raised(near, [*path, after], scale, refinement, precision)
-    turns = near.exceeded and collapsed is None
-    return BrittlePath(first_failure, tuple(path), refinement, collapsed, turns)
+    turns = near.exceeded and not by_bonds
+    return BrittlePath(first_failure, tuple(path), refinement, by_bonds, turns)
 
 
 def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolution:
@@ -364,26 +358,18 @@ def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> F
 
 
 def _redistributed(
-    solver: Equilibria, point: Equilibrium, failing: Flags, other: StaticSolution | None
-) -> tuple[Equilibrium | None, Floats]:
+    solver: Equilibria, point: Equilibrium, failing: Flags, *, thorough: bool
+) -> Equilibrium | None:
     """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
 
-    None if there is none; and what is left of the bonds. ``other``: see `another_peak`.
+    None if there is none.
     """
     state = point.state
     while failing.any():
         state = replace(state, whole=np.where(failing, 0.0, state.whole))
-        thorough = other is None or not _collapses(other, point.load, state.whole)
         try:
             after = solver.solve(point.load, point.unknowns, state, thorough=thorough)
         except NoEquilibriumError:
-            return None, state.whole
+            return None
         failing = utilisation(solver.contact_law, state, after.force) > 1.0
-    return after, state.whole
-
-
-def _collapses(other: StaticSolution, load: float, whole: Floats) -> bool:
-    """Whether the ``other`` had no equilibrium near ``load`` (N) with the same bonds left."""
-    bonds, peak = other.collapsed, other.peak.load
-    near = abs(load - peak) <= HISTORY * peak
-    return bonds is not None and near and np.array_equal(whole, bonds)
+    return after

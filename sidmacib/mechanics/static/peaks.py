@@ -10,6 +10,7 @@ which may jump from one peak to another if the last digits of the input change.
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from scipy.optimize import brentq
@@ -82,8 +83,8 @@ def lowest_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     first = peak_of(solver, loads.scale)
     if first.peak.load <= first.first_failure_load * (1.0 + 2.0 * LEAST_INCREMENT):
         return first
-    elastic = any(piece.elastic and not piece.fixed for piece in assembly.pieces)
-    return _lowest(solver, loads.scale, first, MOST_ELASTIC * len(first.path) if elastic else MOST)
+    most = MOST_ELASTIC * len(first.path) if assembly.elastic else MOST
+    return _lowest(solver, loads.scale, first, most)
 
 
 def _lowest(solver: Solver, scale: float, first: StaticSolution, most: int) -> StaticSolution:
@@ -144,9 +145,12 @@ def _next_failure(
 ) -> Equilibrium | None:
     """The equilibrium at the load at which a bond reaches its strength; None if there is none."""
 
+    @cache
+    def at(load: float) -> Equilibrium:
+        return solver.solve(load, start.unknowns, state, thorough=True)
+
     def excess(load: float) -> float:
-        point = solver.solve(load, start.unknowns, state, thorough=True)
-        return float(utilisation(solver.contact_law, state, point.force).max()) - 1.0
+        return float(utilisation(solver.contact_law, state, at(load).force).max()) - 1.0
 
     low, high = LEAST_LOAD_LEFT * peak / 2.0, peak
     try:
@@ -156,7 +160,6 @@ def _next_failure(
             if high >= HIGHEST * peak:
                 return None
             high *= 1.1
-        load = float(brentq(excess, low, high, xtol=PRECISION * peak))
-        return solver.solve(load, start.unknowns, state, thorough=True)
+        return at(float(brentq(excess, low, high, xtol=PRECISION * peak)))
     except CapacityError:
         return None

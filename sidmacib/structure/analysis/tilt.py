@@ -161,7 +161,7 @@ def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
     upright, `UnboundedError` if it is in equilibrium up to 180 degrees, `CapacityError` for elastic
     pieces and for contact points in place of locks.
     """
-    if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
+    if assembly.elastic:
         raise CapacityError("tilt: pieces must be rigid; leave out their elastic material")
     if reason := assembly.without_stiffness:
         raise CapacityError(reason)
