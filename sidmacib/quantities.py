@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from enum import StrEnum
 from numbers import Integral, Real
 from typing import Annotated, Any, TypeVar
@@ -19,6 +20,7 @@ _PLAIN = str.maketrans({"²": "2", "³": "3", "°": "deg", **dict.fromkeys("*·^
 Choice = TypeVar("Choice", bound=StrEnum)
 
 FORMULA = ("=", "+", "-", "@")  # what formulas of a spreadsheet begin with
+MOST_COMPARED = 200  # letters of a name that is compared with those allowed
 MAX_SHOWN = 60  # letters of a value that a message shows
 DIGITS = 10  # significant digits that are kept
 LARGEST = 1e9  # number told without an exponent
@@ -363,6 +365,12 @@ def some_of(names: Sequence[str], most: int) -> str:
     """The first ``names`` in words, and how many others there are."""
     others = f" and {len(names) - most} others" if len(names) > most else ""
     return f"{', '.join(names[:most])}{others}"
+
+
+def meant(name: str, names: Iterable[str]) -> str:
+    """The one of ``names`` that looks like ``name``, as a question; no words if none does."""
+    near = get_close_matches(name[:MOST_COMPARED], list(names), 1)
+    return f"did you mean {near[0]}? " if near else ""
 
 
 def number_of(count: int, name: str) -> str:

@@ -22,7 +22,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from sidmacib.quantities import FORMULA, Number, shown
+from sidmacib.quantities import FORMULA, Number, meant, shown
 from sidmacib.validation import LARGE, SMALL, kinds_of
 
 Some = Field(min_length=1)
@@ -43,7 +43,8 @@ class Section(BaseModel):
     def _known(cls, given: Any) -> Any:
         for name in given if isinstance(given, Mapping) else ():
             if name not in cls.model_fields:
-                allowed = f"unknown key; allowed keys: {', '.join(cls.model_fields)}"
+                near, every = meant(str(name), cls.model_fields), ", ".join(cls.model_fields)
+                allowed = f"unknown key; {near}allowed keys: {every}"
                 raise PydanticCustomError("of_key", "{words}", {"key": name, "words": allowed})
         return given
 

@@ -156,5 +156,5 @@ def test_a_fault_is_one_line_that_names_the_key(
     path = tmp_path / "structure.yaml"
     path.write_text(json.dumps(text))
     ended = run("assembly", str(path))
-    assert ended.exit_code == 1
+    assert ended.exit_code == 2
     assert re.search(line, ended.output.splitlines()[-1])

@@ -19,7 +19,10 @@ def test_flags_go_before_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("lock: 5", "'lock': unknown key; the keys here are locks, a, b, h, H, "),
+        (
+            "lock: 5",
+            "'lock': unknown key; did you mean locks? the keys here are locks, a, b, h, H, ",
+        ),
         ("a: wide", "a: 'wide' is not a number; it must be a number greater than 0 (m)"),
         ("a: true", "a: true is not a number"),
         ("a:", "a: null is not a number"),

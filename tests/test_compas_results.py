@@ -103,7 +103,7 @@ def test_results_that_cannot_be_written_are_reported_under_the_table(
     if laws:
         path.with_suffix(".yaml").write_text(laws)
     found = run("assembly", str(path), "--compas", str(tmp_path / target))
-    assert found.exit_code == 1
+    assert found.exit_code == 2
     assert words in found.stderr
     assert "static" in found.stdout
 

@@ -253,7 +253,7 @@ def test_every_fault_is_one_line_that_names_the_key(
     inside[keys[-1]] = value
     path.write_text(yaml.safe_dump(given))
     result = command("design", str(path))
-    assert result.exit_code == 1
+    assert result.exit_code == 2
     assert result.stderr.startswith(f"Error: {words}"), result.stderr
     assert result.stderr.count("\n") == 1
 

@@ -85,7 +85,7 @@ def test_a_mesh_is_read_without_a_file_of_other_blocks_beside_it(tmp_path: Path)
 
 def test_millimetres_are_asked_for_and_not_taken_as_metres() -> None:
     ended = run("assembly", str(CASES / "mm.obj"), "--fixed", "ground")
-    assert ended.exit_code == 1
+    assert ended.exit_code == 2
     assert "would be 1732 m across; say unit: mm" in ended.output.splitlines()[-1]
 
 
@@ -263,7 +263,7 @@ def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> No
     graph["edge"] = {"0": {"1": {"interfaces": [contact]}}, "1": {}}
     path = tmp_path / "gap.json"
     path.write_text(json.dumps(given))
-    assert run("assembly", str(path)).exit_code == 1
+    assert run("assembly", str(path)).exit_code == 2
     assert limit(str(path), "--from-file") == pytest.approx(0.7 * 2e3 * 9.81, rel=1e-3)
 
 

@@ -153,7 +153,7 @@ def command(*words: str, **streams: int) -> subprocess.CompletedProcess[str]:
 def test_output_that_finds_no_room_ends_with_one_line(form: str) -> None:
     with FULL.open("w") as full:
         found = command("law", "-n", "3", "--format", form, stdout=full.fileno())
-    assert (found.returncode, found.stderr) == (1, "Error: No space left on device\n")
+    assert (found.returncode, found.stderr) == (2, "Error: No space left on device\n")
 
 
 @pytest.mark.parametrize(("option", "name"), [("--picture", "drawn.svg"), ("--note", "n.html")])

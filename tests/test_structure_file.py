@@ -167,7 +167,10 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
     [
         ({"blocks": {}}, "blocks: an empty mapping is not allowed"),
         ({"blocks": {"b": {"low": [0, 0, 0]}}}, "blocks.b: must have either vertices and faces"),
-        ({"blocks": {"b": {**BLOCK, "denisty": 1}}}, "blocks.b.denisty: unknown key; allowed keys"),
+        (
+            {"blocks": {"b": {**BLOCK, "denisty": 1}}},
+            "blocks.b.denisty: unknown key; did you mean density?",
+        ),
         (
             {"blocks": {"b": {**BLOCK, "low": [0, 0]}}},
             "blocks.b.low: .* a list of three",
@@ -219,7 +222,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ),
         ({"nodes": "corners"}, "nodes: 'corners' is not allowed; it must be centres, vertices or"),
         ({"mesh": 0}, "mesh: 0 is not allowed; it must be greater than 0"),
-        ({"loads": 1}, "loads: unknown key; allowed keys: blocks, load"),
+        ({"loads": 1}, "loads: unknown key; did you mean load\\? allowed keys: blocks, load"),
     ],
 )
 def test_a_fault_is_reported_in_one_line_with_its_key(
@@ -229,7 +232,7 @@ def test_a_fault_is_reported_in_one_line_with_its_key(
     with pytest.raises(ValueError, match=words):
         read_structure(path)
     found = run("assembly", str(path))
-    assert found.exit_code == 1
+    assert found.exit_code == 2
     assert found.output.startswith("Error: ")
     assert found.output.count("\n") == 1
 

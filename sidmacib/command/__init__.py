@@ -5,6 +5,9 @@ import signal
 import sys
 
 
+FAULT = 2  # exit status, as click's of wrong usage
+
+
 def run() -> None:
     """The program: ^C ends it with one word, while it is loaded too; a full disk with one line."""
     signal.signal(signal.SIGINT, _interrupt)
@@ -17,7 +20,8 @@ def run() -> None:
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is left to print has no room either
         place = f"{error.filename}: " if error.filename else ""
-        sys.exit(f"Error: {place}{error.strerror or error}")
+        print(f"Error: {place}{error.strerror or error}", file=sys.stderr)
+        sys.exit(FAULT)
 
 
 def _interrupt(*_: object) -> None:

@@ -12,7 +12,7 @@ from sidmacib.joint import HoldDown, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, unit_warnings, with_parameters
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.quantities import Number, number_in, shown
+from sidmacib.quantities import Number, meant, number_in, shown
 
 DEFAULT = Joint(5)
 # Further names of flags: -h is a height here, while other programs take it for help.
@@ -184,7 +184,8 @@ def _from_file(path: Path) -> dict[str, Any]:
     for key in content:
         if key not in PARAMETERS:
             allowed = ", ".join(PARAMETERS)
-            raise _in_file(path, f"{shown(key)}: unknown key; the keys here are {allowed}")
+            near = meant(str(key), PARAMETERS)
+            raise _in_file(path, f"{shown(key)}: unknown key; {near}the keys here are {allowed}")
     return content
 
 

@@ -70,7 +70,8 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
 
 Lengths in m, forces in N, stresses in Pa, unless a unit follows: 80mm, 5kN.
 Defaults are those of the published study. "multilock COMMAND --help" describes
-a command. For completion in bash:
+a command. The exit status is 1 if the answer is no or no model has one, and 2
+if what was given is at fault. For completion in bash:
 eval "$(_MULTILOCK_COMPLETE=bash_source multilock)" (zsh, fish: zsh_source,
 fish_source).
 """

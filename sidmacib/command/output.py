@@ -125,13 +125,19 @@ def say(words: str, form: str) -> None:
 
 @contextmanager
 def refused_in_one_line() -> Iterator[None]:
-    """Report a model's refusal of a joint as an error of click."""
+    """Report a model's refusal of a joint or a structure, or a fault of a file, as click does.
+
+    The exit status is 1 where a model has no answer, 2 where what was given is at fault.
+    """
     from sidmacib.command.answers import ERRORS, reason
+    from sidmacib.errors import CapacityError
 
     try:
         yield
     except ERRORS as error:
-        raise click.ClickException(reason(error)) from None
+        failure = click.ClickException(reason(error))
+        failure.exit_code = 1 if isinstance(error, CapacityError) else 2
+        raise failure from None
 
 
 @contextmanager
