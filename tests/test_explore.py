@@ -22,6 +22,7 @@ from sidmacib.answers.joint import meshes
 from sidmacib.joint import Direction
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.parameters import PARAMETERS
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.problem import Problem
 from sidmacib.rule import law
@@ -31,6 +32,7 @@ STATES = (
     Settings(),
     Settings(locks=3, H=60.0, one_piece=True, young=10.0),
     Settings(locks=4, friction=0.0, pressure=50.0, eccentricity=0.0),
+    Settings(a=15.0, b=20.0),
     checked({name: slider.least + 9 * slider.step for name, slider in SLIDERS.items()}).state,
 )
 
@@ -75,6 +77,8 @@ def test_the_configuration_is_a_study_of_the_same_joint(state: Settings) -> None
     joint, expected = study.joint("mine"), state.joint
     for name in {*PARAMETERS} & {*SLIDERS, "upper_body", "hold_down", "poisson"}:
         assert PARAMETERS[name].of(joint) == PARAMETERS[name].of(expected), name
+    assert study.meshes == pytest.approx(sorted(meshes(expected), reverse=True))
+    assert study.nodes is NodeLayout.LOBATTO
 
 
 @pytest.mark.parametrize("state", STATES)

@@ -6,8 +6,10 @@ from dataclasses import asdict, dataclass, make_dataclass
 from typing import Any, Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
+from sidmacib.answers.joint import meshes
 from sidmacib.joint import INNER, HoldDown, Joint, UpperBody
 from sidmacib.joint.parameters import PARAMETERS, Parameter, with_parameters
+from sidmacib.mechanics.assembly import NodeLayout
 
 FIRST = Joint(5)
 KEPT = "kept"  # in a link: the query of what is kept for comparison
@@ -214,7 +216,7 @@ def _given(joint: Joint, part: str, sign: str) -> str:
 
 
 def as_configuration(state: Settings) -> str:
-    """A study of the joint, as YAML."""
+    """A study of the joint, as YAML, on the meshes of the page."""
     joint = state.joint
     hold = f"{{pressure: {1e3 * state.pressure:g}}}" if state.pressure else "plate"
     lines = [
@@ -227,7 +229,8 @@ def as_configuration(state: Settings) -> str:
         f"  dry: {{{_given(joint, 'dry', ': ')}}}",
         f"assembly: {{upper_body: {joint.upper_body}, hold_down: {hold}"
         f"{', pieces: elastic' if state.young else ''}}}",
-        "meshes: [0.02]",
+        f"meshes: [{', '.join(f'{mesh:g}' for mesh in meshes(joint))}]",
+        f"nodes: {NodeLayout.LOBATTO}",
         f"eccentricities: [0, {state.eccentricity:g}, torsion]"
         if state.eccentricity
         else "eccentricities: [0, torsion]",

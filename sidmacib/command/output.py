@@ -123,6 +123,12 @@ def say(words: str, form: str) -> None:
     click.echo(in_asked_words(words), err=form != "table")
 
 
+class Fault(click.ClickException):
+    """A fault in what was given, which is no answer either."""
+
+    exit_code = 2
+
+
 @contextmanager
 def refused_in_one_line() -> Iterator[None]:
     """Report a model's refusal of a joint or a structure, or a fault of a file, as click does.
@@ -135,9 +141,8 @@ def refused_in_one_line() -> Iterator[None]:
     try:
         yield
     except ERRORS as error:
-        failure = click.ClickException(reason(error))
-        failure.exit_code = 1 if isinstance(error, CapacityError) else 2
-        raise failure from None
+        kind = click.ClickException if isinstance(error, CapacityError) else Fault
+        raise kind(reason(error)) from None
 
 
 @contextmanager
