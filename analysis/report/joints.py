@@ -223,6 +223,7 @@ def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
     """Data of the page's charts of joints, beside the tables."""
     cases = shown_cases(cases_of(study).values())
     samples = {case.subject.sample: case for case in cases}
+    joints = {name: study.joint(name) for name in study.interlocking}
     return {
         "samples": list(study.samples),
         "words": sample_words(study),
@@ -235,7 +236,8 @@ def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
         },
         "paths": paths_of(cases),
         "pieces": {name: pieces_of(case) for name, case in samples.items()},
-        "law": {name: law_of(study.joint(name)) for name in study.interlocking},
+        # The rules of elastic blocks take minutes for many locks.
+        "law": {name: law_of(joint) for name, joint in joints.items() if joint.elastic is None},
     }
 
 

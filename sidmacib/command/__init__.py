@@ -4,7 +4,6 @@ import os
 import signal
 import sys
 
-
 FAULT = 2  # exit status, as click's of wrong usage
 
 
