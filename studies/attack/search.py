@@ -28,6 +28,7 @@ from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.problem import Problem
 from sidmacib.rule import SPANS, safe
 from studies.markdown import markdown
 
@@ -38,6 +39,7 @@ SMOOTH, LIGHT = 0.2, 0.2  # shares of the joints without friction, without weigh
 DIMENSIONS = 17
 POPULATION = 6  # joints of a generation, over the dimensions
 CELLS = {False: 5, True: 3}  # of the search, along a lock's shorter side; True: elastic blocks
+MOST_NODES = 1_200  # of a joint of elastic blocks in the search: more take minutes
 CHECKS = {  # of the worst joints
     False: ((NodeLayout.LOBATTO, 6), (NodeLayout.LOBATTO, 7), (NodeLayout.VERTICES, 8)),
     True: ((NodeLayout.LOBATTO, 3), (NodeLayout.LOBATTO, 4), (NodeLayout.VERTICES, 5)),
@@ -146,8 +148,18 @@ def safe_load(target: Target) -> float | None:
 
 
 def ratio_at(space: Space, place: Sequence[float]) -> float | None:
-    """`ratio_of` the joint of ``space`` at a ``place``."""
-    return ratio_of(target_at(space, place))
+    """`ratio_of` the joint of ``space`` at a ``place``; 0 for elastic blocks of `MOST_NODES`."""
+    target = target_at(space, place)
+    if space.elastic and len(_posed(target).assembly.nodes.area) > MOST_NODES:
+        return 0.0
+    return ratio_of(target)
+
+
+def _posed(target: Target) -> Problem:
+    """The problem on the nodes of the search, which the rule does not use."""
+    joint = target.joint
+    cells = CELLS[joint.elastic is not None]
+    return posed(joint, target.loading, joint.least_side / cells, least=cells // 2 + 1)
 
 
 def ratio_of(target: Target) -> float | None:
@@ -158,11 +170,8 @@ def ratio_of(target: Target) -> float | None:
     promised = safe_load(target)
     if promised is None:
         return 0.0
-    joint = target.joint
     try:
-        cells = CELLS[joint.elastic is not None]
-        problem = posed(joint, target.loading, joint.least_side / cells, least=cells // 2 + 1)
-        load = static_first_failure(*problem).point.load
+        load = static_first_failure(*_posed(target)).point.load
     except CapacityError:
         return None
     return promised / load if load > 0.0 else math.inf
