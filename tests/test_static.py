@@ -15,7 +15,15 @@ from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.joint import INNER, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import lock_faces
-from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Failure, Kind, NodeLayout
+from sidmacib.mechanics.assembly import (
+    Assembly,
+    Cuboid,
+    Elastic,
+    FaceMaterial,
+    Failure,
+    Kind,
+    NodeLayout,
+)
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows
@@ -63,6 +71,21 @@ def test_no_equilibrium_counts_in_which_a_piece_that_has_broken_off_turns_far() 
     found = lobatto(STRONG, 0.5)
     assert found.peak.load == pytest.approx(550.2, rel=1e-3)
     assert (found.mode, found.turns) == (Mode.BONDS, False)
+
+
+def test_nor_do_they_count_where_pieces_are_elastic() -> None:
+    for young, load in ((1e10, 548.6), (1e11, 550.1)):
+        found = lobatto(replace(STRONG, elastic=Elastic(young, 0.2)), 0.5)
+        assert found.peak.load == pytest.approx(load, rel=1e-3)
+    assert found.peak.rotation == pytest.approx(lobatto(STRONG, 0.5).peak.rotation, rel=0.01)
+
+
+@pytest.mark.parametrize("failure", [Failure.DUCTILE, Failure.SOFTENING])
+def test_nor_where_bonds_yield_or_soften(failure: Failure) -> None:
+    inner = replace(STRONG.inner, fracture_energy=50.0)
+    found = lobatto(replace(STRONG, inner=inner, failure=failure), 0.5)
+    assert found.peak.rotation <= 0.035
+    assert found.turns == (failure is Failure.DUCTILE)
 
 
 def test_where_pieces_turn_less_the_same_equilibria_count() -> None:

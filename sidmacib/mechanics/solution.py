@@ -21,8 +21,8 @@ class Equilibrium:
     ``load``: along the direction of loading, in N. ``unknowns``: of its solver, (U,), see there.
     ``displacement``: along the load, in m. ``force``: (N, 3) in N, the force of the piece below
     each node on the piece above in the frame of the face: normal (compression positive) and two
-    tangents. ``state``: of the nodes. ``rotation``: the largest of a piece, in rad; 0 for elastic
-    pieces, whose unknowns do not have it.
+    tangents. ``state``: of the nodes. ``rotation``: the largest of a piece, in rad; of an elastic
+    one on average.
     """
 
     load: float
@@ -30,7 +30,7 @@ class Equilibrium:
     displacement: float
     force: Floats
     state: NodeState
-    rotation: float = 0.0
+    rotation: float
 
 
 class Equilibria(Protocol):

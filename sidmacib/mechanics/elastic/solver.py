@@ -32,6 +32,7 @@ from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.newton.equilibrium import STEPS
 from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
+from sidmacib.mechanics.springs import RIGID
 
 GIB = 2.0**30
 BYTES = 8.0  # of a number
@@ -101,7 +102,7 @@ class ElasticSolver:
         require_memory(memory_needed(assembly, self.kept), what)
         give, moved, self.work = flexibility(assembly, loads, self.kept)
         rows = free_rows(assembly)
-        size = row_units(assembly)
+        size, self.length = row_units(assembly), assembly.length
         rigid = (equilibrium_matrix(assembly).toarray()[rows][:, self.kept] / size[:, None]).T
         give[np.diag_indices_from(give)] += 1.0 / self.stiffness
         inverse = inverse_by(cholesky_factor(give))
@@ -291,4 +292,5 @@ class ElasticSolver:
         motion = motion + cho_solve(self.factor, self.held.T @ jump)
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
-        return Equilibrium(load, jump, along, force, state.after(opened))
+        turned = np.linalg.norm(motion.reshape(-1, RIGID)[:, 3:], axis=1).max() / self.length
+        return Equilibrium(load, jump, along, force, state.after(opened), float(turned))

@@ -3,8 +3,8 @@
 The load rises in increments, so that friction has its history. When a node reaches its strength it
 loses all of it at once, together with the nodes that fail at the same load, and a new equilibrium
 is sought at that load; if there is none, the load is the peak. A solver finds the equilibria: one
-for rigid pieces, one for elastic pieces. Equilibria in which a rigid piece has turned by more than
-2 degrees where bonds have failed do not count: forces are balanced where pieces were built.
+for rigid pieces, one for elastic pieces. Equilibria in which a piece has turned by more than 2
+degrees where bonds have failed do not count: forces are balanced where pieces were built.
 
 Pieces may also move away while all bonds are whole. To see how, the model pushes them slightly
 beyond the peak, against drag. If that lifts them against the permanent loads they rock; otherwise
@@ -182,7 +182,7 @@ def _after_first_failure(
     ``other``: another path of the same assembly, if it is known.
     """
     first_failure, by_bonds = path[-1].load, False
-    near = SmallRotations(solver, max(MOST_ROTATION, TURNED * path[-1].rotation))
+    near = _small_rotations(solver, path[-1])
     while failing.any():
         thorough = other is None or path[-1].load < other.peak.load * (1.0 - HISTORY)
         after = _redistributed(near, path[-1], failing, thorough=thorough)
@@ -194,12 +194,17 @@ def _after_first_failure(
     return BrittlePath(first_failure, tuple(path), refinement, by_bonds, turns)
 
 
+def _small_rotations(solver: Equilibria, first_failure: Equilibrium) -> SmallRotations:
+    return SmallRotations(solver, max(MOST_ROTATION, TURNED * first_failure.rotation))
+
+
 def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolution:
     """`static_peak` with softening or ductile bonds: the increment is halved if a load fails."""
     path, failing, _ = _to_first_failure(solver, scale)
     first_failure = path[-1].load
     if not failing.any():
         return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], scale))
+    near = _small_rotations(solver, path[-1])
     increment = SOFTENING_INCREMENT * first_failure
     compliance = abs(path[-1].displacement) / first_failure
     while increment > LEAST_SOFTENING_INCREMENT * path[-1].load:
@@ -208,9 +213,7 @@ def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolut
             raise UnboundedError(f"no peak up to {low.load:g} N: the load can grow without limit")
         load = low.load + increment
         try:
-            point = softened_equilibrium(
-                solver, softening, load, _guess(load, path, None), low.state
-            )
+            point = softened_equilibrium(near, softening, load, _guess(load, path, None), low.state)
         except NoEquilibriumError:
             increment /= 2
             continue
@@ -218,7 +221,8 @@ def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolut
             increment /= 2
         else:
             path.append(point)
-    return StaticSolution(first_failure, tuple(path), Mode.BONDS)
+    mode = _motion(solver, path[-1], scale) if near.exceeded else Mode.BONDS
+    return StaticSolution(first_failure, tuple(path), mode, turns=near.exceeded)
 
 
 def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
