@@ -93,6 +93,7 @@ def test_the_readme_is_short_and_has_examples_of_every_kind() -> None:
     assert {("study",), ("test",)} <= {tuple(words) for words in commands(readme, "make")}
 
 
+@pytest.mark.study
 def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     programs = ("multilock", ".venv/bin/multilock")
     wanted = {tuple(words) for page in PAGES for name in programs for words in commands(page, name)}
@@ -115,6 +116,7 @@ def printed_in_pages() -> list[tuple[str, tuple[str, ...], str]]:
     return shown
 
 
+@pytest.mark.study
 def test_the_command_prints_what_pages_show() -> None:
     shown = printed_in_pages()
     assert len(shown) >= 4
