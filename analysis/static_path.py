@@ -12,7 +12,7 @@ from sidmacib.problem import Problem
 from workflow.case import JointSubject
 
 MOST_ELASTIC = 1_000  # nodes of elastic blocks: more take minutes
-MOST_BEHIND = 700  # bonded nodes that are followed behind the peak, where they fail one by one
+MOST_BEHIND = 1_050  # bonded nodes that are followed behind the peak, where they fail one by one
 
 
 def path_again(subject: JointSubject) -> tuple[Problem, StaticSolution] | None:
