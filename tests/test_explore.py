@@ -1,9 +1,11 @@
 """The joint to play with: its state, what is copied, and the page in a browser."""
 
+import json
 from dataclasses import replace
 
 import pytest
 import yaml
+from command_runner import run
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -33,6 +35,7 @@ STATES = (
     Settings(locks=3, H=60.0, one_piece=True, young=10.0),
     Settings(locks=4, friction=0.0, pressure=50.0, eccentricity=0.0),
     Settings(a=15.0, b=20.0),
+    Settings(locks=9, scatter=20.0, gamma_m=1.5),
     checked({name: slider.least + 9 * slider.step for name, slider in SLIDERS.items()}).state,
 )
 
@@ -88,6 +91,17 @@ def test_the_python_prints_the_law_of_the_same_joint(
     exec(as_python(state), {})
     expected = law(state.joint, Direction(state.eccentricity)).load
     assert f"{expected:.6g}"[:6] in capsys.readouterr().out
+
+
+def test_resistances_are_those_of_the_command() -> None:
+    state = Settings(locks=9, a=80.0, H=60.0, scatter=20.0, gamma_m=1.5)
+    flags = ("-n", "9", "-a", "80mm", "-H", "60mm", "-e", "0.3", "--scatter", "0.2")
+    found = run("capacity", *flags, "--gamma-m", "1.5", "--format", "json")
+    printed = {row["model"]: row["V (N)"] for row in json.loads(found.stdout)}
+    shown = {name: load.shear for name, load in answers(state).rules.items()}
+    assert shown == {name: pytest.approx(printed[name], rel=1e-9) for name in shown}
+    assert {"safe", "characteristic", "design"} <= shown.keys()
+    assert "characteristic" not in answers(replace(state, scatter=0.0)).rules
 
 
 def test_a_joint_beyond_the_rule_is_noted_and_drawn() -> None:

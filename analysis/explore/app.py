@@ -79,8 +79,9 @@ ABOUT = (
     "failure by the law. Green bars: range in which the law was tested, all other inputs "
     "unchanged. Arrows: the direction that raises the first failure (static model); the number is "
     "its change for +1 %. The tensile strength is proportional to the cohesion. Lock 1 is on the "
-    "left. Strengths are taken as design values: the safe load has a margin for the model, not for "
-    "their scatter. No data leave this machine."
+    "left. Strengths are means if a scatter is given, characteristic values if only "
+    "\N{GREEK SMALL LETTER GAMMA}_M is, and else design values: the safe load has a margin for the "
+    "model, not for their scatter. No data leave this machine."
 )
 
 

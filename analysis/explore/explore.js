@@ -6,7 +6,7 @@ let latest = 0; // number of the sliders' last change
 let shown = null; // the answer on the page
 let line = null; // the curve on the page
 
-const isJointOf = (one, other) => Object.keys(one).every((name) => name === "eccentricity" || one[name] === other[name]);
+const isJointOf = (one, other) => Object.keys(one).every((name) => ["eccentricity", "scatter", "gamma_m"].includes(name) || one[name] === other[name]);
 
 function changed() {
   latest += 1;

@@ -4,6 +4,7 @@ Sliders show the ranges that law and safe rule were tested in, and effects on th
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -22,8 +23,9 @@ from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_weights
 from sidmacib.rule import RULES, LawCapacity, first_failure, law, require_covered
+from sidmacib.rule.reliability import characteristic, design_resistance
 
-SYMBOLS = {"law": "x", "safe": "star"}
+SYMBOLS = {"law": "x", "safe": "star", "characteristic": "diamond", "design": "circle"}
 MOST_VALUES = 41  # of a slider, that are tried
 # What a slider changes; the tensile strength goes with the cohesion.
 FIELDS = tuple(
@@ -144,9 +146,27 @@ def answers(state: Settings) -> Answers:
             rules[name] = rule(joint, Direction(ratio))
     except (CapacityError, ValueError) as error:
         return Answers(found, rules, f"{words} No safe rule: {error}.")
-    safe = rules["safe"]
-    words += f" Safe: V = {safe.shear:.4g} N, M = {safe.torque:.3g} N m. T0 = {joint.T0:.4g} N."
-    return Answers(found, rules, words)
+    words += f" Safe: {_in_words(rules['safe'])}"
+    try:
+        for name, resistance in _resistances(state):
+            rules[name] = resistance
+            words += f" {name.capitalize()} resistance: {_in_words(resistance)}"
+    except (CapacityError, ValueError) as error:
+        words += f" No resistance: {error}."
+    return Answers(found, rules, f"{words} T0 = {joint.T0:.4g} N.")
+
+
+def _in_words(load: LawCapacity) -> str:
+    return f"V = {load.shear:.4g} N, M = {load.torque:.3g} N m."
+
+
+def _resistances(state: Settings) -> Iterator[tuple[str, LawCapacity]]:
+    """Characteristic and design resistance, as far as scatter and partial factor ask for them."""
+    joint, direction, given = state.joint, Direction(state.eccentricity), state.reliability
+    if given.variation:
+        yield "characteristic", characteristic(joint, direction, given.variation).capacity
+    if given.partial_factor != 1.0:
+        yield "design", design_resistance(joint, direction, given)
 
 
 def results(state: Settings, found: Answers, counted: Counted | None = None) -> dict[str, Figure]:
@@ -168,7 +188,9 @@ def _curve(state: Settings) -> str:
 
 
 def _mark(name: str) -> str:
-    return f"first failure, {label_of(name).name}" if name == "law" else label_of(name).name
+    if name in RULES:
+        return f"first failure, {label_of(name).name}" if name == "law" else label_of(name).name
+    return f"{name} resistance"
 
 
 def ratios(state: Settings) -> tuple[float, ...]:

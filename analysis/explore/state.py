@@ -10,6 +10,7 @@ from sidmacib.answers.joint import meshes
 from sidmacib.joint import INNER, HoldDown, Joint, UpperBody
 from sidmacib.joint.parameters import PARAMETERS, Parameter, with_parameters
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.rule.reliability import DESIGN_VALUES, Reliability
 
 FIRST = Joint(5)
 KEPT = "kept"  # in a link: the query of what is kept for comparison
@@ -50,12 +51,15 @@ SLIDERS = {
     "pressure": Slider(0, 200, 5, "pressure on top (kPa), 0: fixed plate"),
     "eccentricity": Slider(0, 3, 0.05, "eccentricity e / a"),
     "one_piece": Slider(0, 1, 1, "upper body", ("cut into columns", "one piece")),
+    "scatter": Slider(0, 40, 1, "scatter of the strengths (%), 0: none"),
+    "gamma_m": Slider(1, 3, 0.05, "partial factor \N{GREEK SMALL LETTER GAMMA}_M"),
 }
 UNITS = {each.name: slider[4] if slider[3:] else 1.0 for each, slider in _SHOWN.items()}  # in SI
 
 _FIRST = {  # values of the sliders at first; no Young's modulus: rigid
     **{name: (PARAMETERS[name].of(FIRST) or 0.0) / unit for name, unit in UNITS.items()},
     **{"locks": FIRST.locks, "pressure": 0.0, "eccentricity": 0.3, "one_piece": False},
+    **{"scatter": 0.0, "gamma_m": 1.0},
 }
 _VALUES: Any = make_dataclass(
     "Values", [(name, type(value), value) for name, value in _FIRST.items()], frozen=True
@@ -84,6 +88,11 @@ class Settings(_VALUES):
         return with_parameters(FIRST, values)
 
     @property
+    def reliability(self) -> Reliability:
+        """What the strengths stand for, and the partial factor."""
+        return Reliability(self.scatter / 100.0, self.gamma_m)
+
+    @property
     def values(self) -> dict[str, float]:
         """The value of each slider."""
         return {name: float(value) for name, value in asdict(self).items()}
@@ -107,6 +116,16 @@ class Settings(_VALUES):
         """The query of a link: the settings that differ from the default."""
         first = Settings().values
         return urlencode({k: f"{v:g}" for k, v in self.values.items() if v != first[k]})
+
+
+def _design_as_python(reliability: Reliability) -> list[str]:
+    if reliability == DESIGN_VALUES:
+        return []
+    given = f"{reliability.variation:g}, {reliability.partial_factor:g}"
+    return [
+        f"reliability = sidmacib.Reliability({given})",
+        "print(sidmacib.design_resistance(joint, direction, reliability))",
+    ]
 
 
 State = TypeVar("State")
@@ -262,5 +281,6 @@ def as_python(state: Settings) -> str:
             f"joint = sidmacib.Joint({', '.join(given)})",
             f"direction = sidmacib.Direction({state.eccentricity:g})",
             "print(sidmacib.law(joint, direction), sidmacib.safe(joint, direction))",
+            *_design_as_python(state.reliability),
         ]
     )
