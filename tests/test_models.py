@@ -10,7 +10,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Numerics
 from sidmacib.joint import Joint
 from sidmacib.model import Ability, Model, Requirement
-from sidmacib.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED
+from sidmacib.models import CLOSED_FORM, LAWS, MODELS, RESISTANCES, RETURNED, SOLVED
 
 DUCTILE = Requirement(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
 STIFF = Requirement(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")
@@ -21,7 +21,7 @@ def test_every_way_to_obtain_results_has_its_models() -> None:
     assert {"yade", "liggghts", "calculix"} <= set(ENGINES) == folders
     assert SOLVED == ("static", "limit")
     assert RETURNED == ("3dec",)
-    assert LAWS == ("law", "safe")
+    assert ("law", "safe", *RESISTANCES) == LAWS
     assert (*LAWS, "sidmacib") == CLOSED_FORM
     assert set(MODELS) == {*ENGINES, *SOLVED, *RETURNED, *CLOSED_FORM}
 

@@ -10,6 +10,7 @@ from made_up_results import capacity_of, record_with
 from analysis.__main__ import describe_rule, run_case
 from analysis.tables.capacity import law_rows
 from sidmacib import Direction, law, safe
+from sidmacib.rule.reliability import Reliability, characteristic, design_resistance
 from workflow.cases import cases_of, find_place
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study
@@ -29,6 +30,20 @@ def test_law_and_safe_rule_are_models_of_a_study_that_names_none() -> None:
             found = rule(study.joint("n3"), Direction(ratio))
             row = rows.loc[(name, ratio * 0.06)]
             assert (row["shear_N"], row["torque_Nm"]) == (found.shear, found.torque)
+
+
+def test_a_study_has_the_resistances_that_its_scatter_and_its_partial_factor_ask_for() -> None:
+    study = study_of(models=["static", "safe"], reliability={"scatter": 0.2, "gamma_m": 1.5})
+    assert study.models == ("static", "safe", "characteristic", "design")
+    rows = pd.DataFrame(law_rows(study)).set_index(["model", "eccentricity_m"])
+    joint, direction = study.joint("n3"), Direction(0.5)
+    weak, last = characteristic(joint, direction, 0.2).capacity, rows.loc[("design", 0.03)]
+    assert rows.loc[("characteristic", 0.03)]["shear_N"] == weak.shear
+    found = design_resistance(joint, direction, Reliability(0.2, 1.5))
+    assert (last["shear_N"], last["torque_Nm"]) == (found.shear, found.torque)
+    assert study_of(models=["static"], reliability={"gamma_m": 1.5}).models == ("static", "design")
+    with pytest.raises(ConfigError, match="models: 'design' is not allowed; it must be"):
+        study_of(models=["static", "design"])
 
 
 @pytest.mark.parametrize(

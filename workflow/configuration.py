@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from sidmacib.engines import ENGINES
-from sidmacib.models import LAWS, MODELS, SOLVED
+from sidmacib.models import LAWS, MODELS, RESISTANCES, SOLVED
 from sidmacib.quantities import shown
 from sidmacib.reading import faults, shown_key
 from sidmacib.yaml_text import TextError, read_yaml
@@ -142,12 +142,15 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
     dem = config.get("dem", {})
     if isinstance(dem, Mapping):
         dem = {"engines": tuple(ENGINES), **dem}
-    models = *SOLVED, *LAWS
+    models = tuple(name for name in (*SOLVED, *LAWS) if name not in RESISTANCES)
     return {"models": models, **config, "dem": dem}
 
 
 def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
-    """``study`` without those models that ``config`` does not name and that cannot model it."""
+    """``study`` without those models that ``config`` does not name and that cannot model it.
+
+    With the resistances that it asks for by its reliability.
+    """
 
     def refused(name: str) -> bool:
         return any(
@@ -160,8 +163,9 @@ def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
         # A law that refuses a joint gives its reason in the tables.
         return tuple(name for name in names if name in LAWS or not refused(name))
 
-    if "models" not in config:
-        study = study.model_copy(update={"models": able(study.models)})
+    models = able(study.models) if "models" not in config else study.models
+    asked = [name for name in study.reliability.resistances if name not in models]
+    study = study.model_copy(update={"models": (*models, *asked)})
     if "engines" not in config.get("dem", {}):
         dem = study.dem.model_copy(update={"engines": able(study.dem.engines)})
         study = study.model_copy(update={"dem": dem})

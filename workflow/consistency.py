@@ -12,7 +12,7 @@ from sidmacib.joint.parameters import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_nodes import CELL_RULES
 from sidmacib.model import Ability, Requirement
-from sidmacib.models import LAWS, MODELS, SOLVED, detailed
+from sidmacib.models import LAWS, MODELS, RESISTANCES, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE, structure_case_name
@@ -236,8 +236,9 @@ def _names(key: str, names: Sequence[str], allowed: Sequence[str]) -> Iterator[s
 
 
 def _models(study: Study) -> Iterator[str]:
+    never = {*RESISTANCES} - {*study.reliability.resistances}
     for key, names, allowed in (
-        ("models", study.models, (*SOLVED, *LAWS)),
+        ("models", study.models, tuple(name for name in (*SOLVED, *LAWS) if name not in never)),
         ("dem.engines", study.dem.engines, tuple(ENGINES)),
     ):
         yield from _names(key, names, allowed)

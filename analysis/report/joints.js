@@ -126,7 +126,7 @@ function drawConvergence() {
 const ANSWER_MESH = Math.min(...JOINTS.meshes);
 
 function startConvergence() {
-  const own = models.filter((model) => !["law", "safe"].includes(model));
+  const own = models.filter((model) => !["law", "safe", "characteristic", "design"].includes(model));
   fill(at("mesh-model"), own, own.includes("static") ? "static" : own[0], (model) => labelOf(model).name);
   at("mesh-model").addEventListener("change", drawConvergence);
   onSample(drawConvergence);

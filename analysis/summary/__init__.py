@@ -23,7 +23,12 @@ PEAK_ACCURACY = 0.0025
 OTHERS = ("limit", "law", "safe")  # models that are rules too: a load without a path to the peak
 MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
 AS_PRINTED = "as printed"  # the setting of samples with the friction that the paper prints
-DESIGN = "safe"  # the model whose loads are for design
+# Models whose loads are for design, the second where strengths are design values: what is asked,
+# and what they rest on.
+DESIGN = {
+    "design": ("design resistance", "With the scatter and gamma_M of the study"),
+    "safe": ("safe load", "By the safe rule"),
+}
 SHOWN = 6  # samples in one answer
 
 
@@ -257,27 +262,30 @@ def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
 
 def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Question]:
     """Design loads in the first and the last direction of each sample."""
-    safe = capacity[(capacity["model"] == DESIGN) & capacity["case"].isin(ratio)]
-    if safe.empty:
-        return
+    for model, (what, words) in DESIGN.items():
+        rows = capacity[(capacity["model"] == model) & capacity["case"].isin(ratio)]
+        if not rows.empty:
+            loads = "V (N) or M (N m)"
+            yield Question(
+                f"What is the {what}?",
+                f"{words}, {loads}; other directions below:",
+                _design_loads(rows, ratio),
+                f"{what}, {loads}",
+            )
+
+
+def _design_loads(loads: pd.DataFrame, ratio: Mapping[str, float]) -> dict[str, str]:
+    """By sample, in words."""
     parts = {}
-    safe = safe.assign(ratio=safe["case"].map(ratio)).sort_values("ratio", kind="stable")
-    safe = safe.drop_duplicates(["sample", "ratio"])  # it is the same at all meshes
-    for sample in capacity["sample"].unique():
-        rows = safe[safe["sample"] == sample]
-        if rows.empty:
-            continue
+    loads = loads.assign(ratio=loads["case"].map(ratio))
+    for sample, of_meshes in loads.groupby("sample", sort=False):
+        rows = of_meshes.sort_values("ratio", kind="stable").drop_duplicates("ratio")  # all alike
         ends = rows.iloc[[0, -1] if len(rows) > 1 else [0]]
         if ends["load_N"].isna().all():
             parts[sample] = "no answer, see below"
             continue
         parts[sample] = ", ".join(map(_at, ends.itertuples()))
-    yield Question(
-        "What is the safe load?",
-        "By the safe rule, V (N) or M (N m); other directions below:",
-        parts,
-        "safe load, V (N) or M (N m)",
-    )
+    return parts
 
 
 def _at(row: object) -> str:

@@ -161,8 +161,10 @@ def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> 
     shown = shown[(shown["variant"] == REFERENCE) & np.isclose(shown["mesh_m"], mesh)]
     shown = shown[shown["case"].isin(ratio)]  # not of a sample whose engines are all missing
     samples = list(shown["sample"].unique())
-    # What to design for comes first, then the law, then models of the pieces.
-    models = sorted(shown["model"].unique(), key=lambda m: (m != DESIGN, m not in LAWS))
+    # What to design for comes first, then the other laws, then models of the pieces.
+    order = [*DESIGN, *LAWS]
+    order += [model for model in shown["model"].unique() if model not in order]
+    models = [model for model in dict.fromkeys(order) if model in set(shown["model"])]
     for model in models:
         rows = shown[shown["model"] == model]
         first = " (first failure)" * (first_failure_only(model) or model == "law")

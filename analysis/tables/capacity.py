@@ -15,6 +15,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
 from sidmacib.models import LAWS, MODELS, detailed
 from sidmacib.rule import RULES, LawCapacity
+from sidmacib.rule.reliability import Reliability, characteristic, design_resistance
 from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
 from workflow.results.tables import CAPACITY, CASES, ENVELOPES, WEIGHTS, read_table, write_table
@@ -71,7 +72,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
 def law_capacity(
     study: Study, name: str, sample: str, ratio: float, variant: str = REFERENCE
 ) -> LawCapacity:
-    """The capacity of a sample at ``ratio``, e / a, by the law or the safe rule (``name``).
+    """The capacity of a sample at ``ratio``, e / a, by the law, the safe rule or a resistance.
 
     ValueError or `CapacityError` where the rule has no answer.
     """
@@ -79,11 +80,17 @@ def law_capacity(
     assembly = change.assembly(study.assembly)
     if (reason := MODELS[name].refusal(requirements(study, assembly, sample))) is not None:
         raise ValueError(reason)
-    return RULES[name](study.joint(sample, change), Direction(ratio), assembly.push)
+    joint, direction = study.joint(sample, change), Direction(ratio)
+    if name in RULES:
+        return RULES[name](joint, direction, assembly.push)
+    given = Reliability(study.reliability.scatter, study.reliability.gamma_m)
+    if name == "characteristic":
+        return characteristic(joint, direction, given.variation, assembly.push).capacity
+    return design_resistance(joint, direction, given, assembly.push)
 
 
 def law_rows(study: Study) -> Iterator[dict[str, Any]]:
-    """Capacities by the law and the safe rule, if they are among the study's models.
+    """Capacities by the law, the safe rule and the resistances among the study's models.
 
     They have no mesh: their rows are the same at each. Where a rule refuses, ``error`` says why.
     """

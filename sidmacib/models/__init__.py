@@ -5,7 +5,7 @@ Light to import: a model's code is loaded when it is used.
 
 from collections.abc import Iterable
 
-from sidmacib.drawing import BLACK, BLUE, GREEN, OCHRE, PURPLE, SKY
+from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, OCHRE, PURPLE, SKY
 from sidmacib.engines import ENGINES
 from sidmacib.model import Ability, ClosedForm, FirstFailureLaw, Model, ReturnedModel, SolvedModel
 
@@ -57,6 +57,18 @@ _ALL: tuple[Model, ...] = (
         colour=GREEN,
         abilities=frozenset(_OF_ANY_FAILURE),
     ),
+    FirstFailureLaw(
+        name="characteristic",
+        label="characteristic resistance",
+        colour=GREY,
+        abilities=frozenset(_OF_ANY_FAILURE),
+    ),
+    FirstFailureLaw(
+        name="design",
+        label="design resistance",
+        colour=BLACK,
+        abilities=frozenset(_OF_ANY_FAILURE),
+    ),
     ClosedForm(
         name="sidmacib",
         label="SiDMACIB",
@@ -71,6 +83,7 @@ MODELS = {model.name: model for model in _ALL}
 SOLVED = tuple(model.name for model in _ALL if isinstance(model, SolvedModel))
 RETURNED = tuple(model.name for model in _ALL if isinstance(model, ReturnedModel))
 LAWS = tuple(model.name for model in _ALL if isinstance(model, FirstFailureLaw))
+RESISTANCES = "characteristic", "design"  # of strengths that scatter, and with a partial factor
 CLOSED_FORM = tuple(model.name for model in _ALL if isinstance(model, ClosedForm))
 
 

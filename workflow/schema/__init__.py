@@ -24,6 +24,7 @@ from workflow.schema.sections import (
     NumericsChanges,
     PartSection,
     Pieces,
+    ReliabilitySection,
     SampleSection,
     SamplingSection,
     SidmacibSection,
@@ -41,8 +42,8 @@ FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a 
 # What the tables of all models depend on; the engines' numerics are not part of it. With further
 # sections it is a study still.
 _TABLES = (
-    *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
-    *("models", "sidmacib"),
+    *("samples", "geometry", "materials", "reliability", "meshes", "nodes", "eccentricities"),
+    *("assembly", "models", "sidmacib"),
 )
 
 
@@ -193,6 +194,7 @@ class Study(Section):
     samples: dict[Name, SampleSection] = Field(default_factory=dict)
     geometry: GeometrySection = GeometrySection()
     materials: MaterialsSection = MaterialsSection()
+    reliability: ReliabilitySection = ReliabilitySection()
     meshes: Lengths = (0.02, 0.005)
     nodes: NodeLayout = NodeLayout.LOBATTO
     eccentricities: Eccentricities = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)

@@ -17,6 +17,7 @@ from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side,
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.joint.parameters import SIZES
 from sidmacib.mechanics.assembly import SOFTENED, FaceMaterial, Failure, NodeLayout
+from sidmacib.models import RESISTANCES
 from sidmacib.quantities import (
     FractureEnergy,
     Friction,
@@ -185,6 +186,22 @@ class MaterialsSection(Section):
     def dry_face(self) -> FaceMaterial:
         """The dry faces as the models take them."""
         return FaceMaterial(**self.dry.model_dump())
+
+
+class ReliabilitySection(Section):
+    """What strengths stand for: means with a ``scatter`` (their coefficient of variation), or not.
+
+    ``gamma_m``: the partial factor. With either, studies have these resistances (EN 1990).
+    """
+
+    scatter: Annotated[float, Number(at_least=0, at_most=1)] = 0.0
+    gamma_m: Annotated[float, Number(at_least=1, at_most=10)] = 1.0
+
+    @property
+    def resistances(self) -> tuple[str, ...]:
+        """The models that it asks for."""
+        asked = self.scatter > 0.0, self.gamma_m > 1.0
+        return tuple(name for name, there in zip(RESISTANCES, asked, strict=True) if there)
 
 
 class LockSection(Section):
