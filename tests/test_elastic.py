@@ -12,9 +12,18 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib import Assembly, CapacityError, Elastic, FaceMaterial, Loads, NodeLayout, SolverError
-from sidmacib.joint import HoldDown, Joint, Side, UpperBody
-from sidmacib.joint.loading import Push
+from sidmacib import (
+    Assembly,
+    CapacityError,
+    Elastic,
+    FaceMaterial,
+    Loads,
+    NodeLayout,
+    SolverError,
+    safe,
+)
+from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import shared_face
 from sidmacib.mechanics.assembly import Cuboid, Kind, SideLoad
 from sidmacib.mechanics.contact_nodes import contact_nodes
@@ -191,6 +200,21 @@ def test_joined_columns_are_as_stiff_as_one_piece() -> None:
             for body in (UpperBody.JOINED, UpperBody.MONOLITHIC)
         )
         assert joined.first_failure_load == pytest.approx(whole.first_failure_load, rel=5e-3)
+
+
+def test_a_pair_whose_only_face_does_not_reach_the_load_carries_nothing() -> None:
+    """It turns on smooth faces; the little stiffness that is added held it 700 m away, at 0.4 N."""
+    dry = FaceMaterial(2.98e8, 1.6e8, 0.0, 0.0, 0.0)
+    inner = FaceMaterial(1e10, 1.3e10, 0.0, 8e4, 9.24e4)
+    pair = Joint(2, a=0.0382, b=0.05, h=0.01175, H=0.1645, density=29.56, inner=inner, dry=dry)
+    pair = replace(pair, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.pressure(1031.0))
+    for direction in (Direction(-0.887), Direction(0.887)):
+        joint = replace(pair, elastic=Elastic(2.13e11, 0.14))
+        loading = Loading(direction)
+        found = static_first_failure(*posed(joint, loading, joint.least_side / 2, least=2))
+        assert found.point.load <= 1e-6 * joint.T0
+        with pytest.raises(CapacityError, match="permanent loads alone"):
+            safe(joint, direction)
 
 
 def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_0_N() -> None:

@@ -219,7 +219,12 @@ class ElasticSolver:
         sizes = [size]
         for _ in range(STEPS):
             if size <= allowed:
-                return self._equilibrium(load, elastic, loose, force, jump, state)
+                motion = self._motion(load, loose, jump)
+                # Pieces that nothing holds: what was added of stiffness carries the load.
+                self.flew_off = bool(np.abs(motion).max() > self.length)
+                if self.flew_off:
+                    break
+                return self._equilibrium(load, elastic, loose, force, jump, state, motion)
             if min(sizes[-PATIENCE:]) > min(sizes[:-PATIENCE], default=math.inf) / 2:
                 break
             step = loose.step(tangent, wrong, jump)
@@ -272,6 +277,11 @@ class ElasticSolver:
         loose_state = NodeState(state.slip[nodes], state.whole[nodes])
         return LooseNodes(nodes, components, place, law, self.rough[nodes], loose_state, open_gaps)
 
+    def _motion(self, load: float, loose: LooseNodes, jump: Floats) -> Floats:
+        """Rigid motions of the pieces (m; rotations times the assembly's length)."""
+        moved: Floats = self.motions @ np.array([1.0, load])
+        return moved + cho_solve(self.factor, self.held[loose.components].T @ jump)
+
     def _equilibrium(
         self,
         load: float,
@@ -280,6 +290,7 @@ class ElasticSolver:
         loose_force: Floats,
         loose_jump: Floats,
         state: NodeState,
+        motion: Floats,
     ) -> Equilibrium:
         jump = np.zeros(len(elastic))
         jump[loose.components] = loose_jump
@@ -288,8 +299,6 @@ class ElasticSolver:
         force[loose.nodes] = loose_force
         opened.ravel()[self.kept] = jump
         kept = force.ravel()[self.kept]
-        motion = self.motions @ np.array([1.0, load])
-        motion = motion + cho_solve(self.factor, self.held.T @ jump)
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
         turned = np.linalg.norm(motion.reshape(-1, RIGID)[:, 3:], axis=1).max() / self.length
