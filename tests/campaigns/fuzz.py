@@ -185,7 +185,7 @@ def threedec(fuzz: Fuzz) -> None:
 def words(fuzz: Fuzz) -> None:
     """Words of the command."""
     given = fuzz.random.choice((["law", "-n", "5"], ["capacity", "-n", "3", "-m", "law"]))
-    for _ in range(fuzz.random.choice((1, 1, 2, 3))):
+    for _ in range(fuzz.random.choice((0, 1, 1, 2, 3))):
         (flag, *_) = fuzz.random.choice(command.commands[given[0]].params).opts
         given += [flag, fuzz.random.choice(AMOUNTS)]
     place = fuzz.random.randrange(2 * len(given))  # half of them stay as they are
