@@ -4,7 +4,6 @@ Sliders show the ranges that law and safe rule were tested in, and effects on th
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -23,7 +22,7 @@ from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_weights
 from sidmacib.rule import RULES, LawCapacity, first_failure, law, require_covered
-from sidmacib.rule.reliability import characteristic, design_resistance
+from sidmacib.rule.reliability import resistances
 
 SYMBOLS = {"law": "x", "safe": "star", "characteristic": "diamond", "design": "circle"}
 MOST_VALUES = 41  # of a slider, that are tried
@@ -136,9 +135,7 @@ def answers(state: Settings) -> Answers:
     kind = "peak" if rigid else "first failure"
     nothing = "nothing carries the load." if rigid else "no first failure is known."
     words = f"{joint.locks} locks, e = {ratio:g} a: " + (
-        nothing
-        if found is None
-        else f"{kind} at V = {found.shear:.4g} N, M = {found.torque:.3g} N m."
+        nothing if found is None else f"{kind} at {_in_words(found)}"
     )
     rules: dict[str, LawCapacity] = {}
     try:
@@ -148,25 +145,16 @@ def answers(state: Settings) -> Answers:
         return Answers(found, rules, f"{words} No safe rule: {error}.")
     words += f" Safe: {_in_words(rules['safe'])}"
     try:
-        for name, resistance in _resistances(state):
-            rules[name] = resistance
-            words += f" {name.capitalize()} resistance: {_in_words(resistance)}"
+        for name, resistance in resistances(state.reliability).items():
+            rules[name] = resistance(joint, Direction(ratio))
+            words += f" {name.capitalize()} resistance: {_in_words(rules[name])}"
     except (CapacityError, ValueError) as error:
         words += f" No resistance: {error}."
     return Answers(found, rules, f"{words} T0 = {joint.T0:.4g} N.")
 
 
-def _in_words(load: LawCapacity) -> str:
+def _in_words(load: Peak | LawCapacity) -> str:
     return f"V = {load.shear:.4g} N, M = {load.torque:.3g} N m."
-
-
-def _resistances(state: Settings) -> Iterator[tuple[str, LawCapacity]]:
-    """Characteristic and design resistance, as far as scatter and partial factor ask for them."""
-    joint, direction, given = state.joint, Direction(state.eccentricity), state.reliability
-    if given.variation:
-        yield "characteristic", characteristic(joint, direction, given.variation).capacity
-    if given.partial_factor != 1.0:
-        yield "design", design_resistance(joint, direction, given)
 
 
 def results(state: Settings, found: Answers, counted: Counted | None = None) -> dict[str, Figure]:
@@ -188,9 +176,7 @@ def _curve(state: Settings) -> str:
 
 
 def _mark(name: str) -> str:
-    if name in RULES:
-        return f"first failure, {label_of(name).name}" if name == "law" else label_of(name).name
-    return f"{name} resistance"
+    return f"first failure, {label_of(name).name}" if name == "law" else label_of(name).name
 
 
 def ratios(state: Settings) -> tuple[float, ...]:

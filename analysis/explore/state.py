@@ -118,16 +118,6 @@ class Settings(_VALUES):
         return urlencode({k: f"{v:g}" for k, v in self.values.items() if v != first[k]})
 
 
-def _design_as_python(reliability: Reliability) -> list[str]:
-    if reliability == DESIGN_VALUES:
-        return []
-    given = f"{reliability.variation:g}, {reliability.partial_factor:g}"
-    return [
-        f"reliability = sidmacib.Reliability({given})",
-        "print(sidmacib.design_resistance(joint, direction, reliability))",
-    ]
-
-
 State = TypeVar("State")
 
 
@@ -284,3 +274,13 @@ def as_python(state: Settings) -> str:
             *_design_as_python(state.reliability),
         ]
     )
+
+
+def _design_as_python(reliability: Reliability) -> list[str]:
+    if reliability == DESIGN_VALUES:
+        return []
+    given = f"{reliability.variation:g}, {reliability.partial_factor:g}"
+    return [
+        f"reliability = sidmacib.Reliability({given})",
+        "print(sidmacib.design_resistance(joint, direction, reliability))",
+    ]

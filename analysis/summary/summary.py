@@ -162,9 +162,8 @@ def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> 
     shown = shown[shown["case"].isin(ratio)]  # not of a sample whose engines are all missing
     samples = list(shown["sample"].unique())
     # What to design for comes first, then the other laws, then models of the pieces.
-    order = [*DESIGN, *LAWS]
-    order += [model for model in shown["model"].unique() if model not in order]
-    models = [model for model in dict.fromkeys(order) if model in set(shown["model"])]
+    order = [*dict.fromkeys((*DESIGN, *LAWS, *shown["model"]))]
+    models = sorted(shown["model"].unique(), key=order.index)
     for model in models:
         rows = shown[shown["model"] == model]
         first = " (first failure)" * (first_failure_only(model) or model == "law")

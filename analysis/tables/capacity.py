@@ -15,7 +15,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
 from sidmacib.models import LAWS, MODELS, detailed
 from sidmacib.rule import RULES, LawCapacity
-from sidmacib.rule.reliability import Reliability, characteristic, design_resistance
+from sidmacib.rule.reliability import Reliability, resistances
 from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
 from workflow.results.tables import CAPACITY, CASES, ENVELOPES, WEIGHTS, read_table, write_table
@@ -80,13 +80,9 @@ def law_capacity(
     assembly = change.assembly(study.assembly)
     if (reason := MODELS[name].refusal(requirements(study, assembly, sample))) is not None:
         raise ValueError(reason)
-    joint, direction = study.joint(sample, change), Direction(ratio)
-    if name in RULES:
-        return RULES[name](joint, direction, assembly.push)
     given = Reliability(study.reliability.scatter, study.reliability.gamma_m)
-    if name == "characteristic":
-        return characteristic(joint, direction, given.variation, assembly.push).capacity
-    return design_resistance(joint, direction, given, assembly.push)
+    rules = {**RULES, **resistances(given)}
+    return rules[name](study.joint(sample, change), Direction(ratio), push=assembly.push)
 
 
 def law_rows(study: Study) -> Iterator[dict[str, Any]]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sidmacib.command import FAULT
 from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve, write_figure
 from sidmacib.models import MODELS
 from sidmacib.quantities import MEASURED_IN, four_digits
@@ -126,7 +127,7 @@ def say(words: str, form: str) -> None:
 class Fault(click.ClickException):
     """A fault in what was given, which is no answer either."""
 
-    exit_code = 2
+    exit_code = FAULT
 
 
 @contextmanager

@@ -14,7 +14,9 @@ resistance (6.6c), whichever gives less, and the margin of the safe rule for the
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
@@ -207,6 +209,23 @@ def design_resistance(
     if of_strengths.load < whole.load / factor:
         return of_strengths
     return capacity_of(joint, direction, whole.load / factor, whole.mode)
+
+
+def resistances(reliability: Reliability) -> dict[str, Callable[..., LawCapacity]]:
+    """`characteristic` and `design_resistance`, as far as ``reliability`` asks for them, by name.
+
+    They take a joint, a direction and a push, as the law does.
+    """
+
+    def fractile(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
+        return characteristic(joint, direction, reliability.variation, push).capacity
+
+    asked: dict[str, Callable[..., LawCapacity]] = {}
+    if reliability.variation:
+        asked["characteristic"] = fractile
+    if reliability.partial_factor != 1.0:
+        asked["design"] = partial(design_resistance, reliability=reliability)
+    return asked
 
 
 def at_most_resists(

@@ -248,9 +248,7 @@ class ElasticSolver:
         jump = point.unknowns[loose.components]
         _, tangent, wrong = loose.residual(elastic, jump)
         step = loose.step(tangent, wrong, jump)
-        return lifted_part(
-            self.weight, cho_solve(self.factor, self.held[loose.components].T @ step)
-        )
+        return lifted_part(self.weight, self._moved_by(loose, step))
 
     def _loose_nodes(self, state: NodeState, friction: Floats) -> LooseNodes:
         """The nodes that may open or slip; what they have in common with the last is kept."""
@@ -280,7 +278,11 @@ class ElasticSolver:
     def _motion(self, load: float, loose: LooseNodes, jump: Floats) -> Floats:
         """Rigid motions of the pieces (m; rotations times the assembly's length)."""
         moved: Floats = self.motions @ np.array([1.0, load])
-        return moved + cho_solve(self.factor, self.held[loose.components].T @ jump)
+        return moved + self._moved_by(loose, jump)
+
+    def _moved_by(self, loose: LooseNodes, jump: Floats) -> Floats:
+        """The part of `_motion` that follows from jumps."""
+        return np.asarray(cho_solve(self.factor, self.held[loose.components].T @ jump))
 
     def _equilibrium(
         self,
