@@ -189,9 +189,10 @@ class MaterialsSection(Section):
 
 
 class ReliabilitySection(Section):
-    """What strengths stand for: means with a ``scatter`` (their coefficient of variation), or not.
+    """What the strengths stand for; studies have the resistances (EN 1990) that this asks for.
 
-    ``gamma_m``: the partial factor. With either, studies have these resistances (EN 1990).
+    ``scatter``: coefficient of variation of strengths that are means; 0 for characteristic or
+    design values. ``gamma_m``: the partial factor, 1 for design values.
     """
 
     scatter: Annotated[float, Number(at_least=0, at_most=1)] = 0.0
