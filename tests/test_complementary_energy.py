@@ -14,8 +14,8 @@ from sidmacib import InfeasibleError, Joint, SolverError, static_peak
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.optimisation import equilibrium_matrix, solve
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.rigid import RigidSolver
 
 ROUNDS = 200

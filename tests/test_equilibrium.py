@@ -15,12 +15,11 @@ from sidmacib.mechanics.assembly import Cuboid, Kind, Rectangle
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.equilibrium import free_rows, wrenches
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, wrenches
 from sidmacib.mechanics.newton.equilibrium import solve_linear
 from sidmacib.mechanics.newton.faces import tangent_stiffness
-from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.rigid import RigidSolver, ordering
-from sidmacib.mechanics.springs import Springs, compliance, natural_frequencies
+from sidmacib.mechanics.springs import compliance, elastic_stiffness, natural_frequencies
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 
@@ -128,14 +127,6 @@ def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
     return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, whole)
 
 
-def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
-    law, springs = ContactLaw.of(model), Springs.of(model)
-    balance = equilibrium_matrix(model).toarray()[free_rows(model)] / springs.units[:, None]
-    stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
-    expected = (balance * stiffness.ravel()) @ balance.T
-    assert springs.elastic_stiffness() == pytest.approx(expected, rel=1e-9, abs=1e-6)
-
-
 def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
@@ -143,7 +134,7 @@ def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assemb
     slip = components(state.slip)
     here = point_at(contacts, slip, whole, unknowns)
     tangent_stiffness(contacts, slip, whole, here, 0.0, rigid_solver.matrix)
-    expected = Springs.of(model).elastic_stiffness()
+    expected = elastic_stiffness(model, ContactLaw.of(model))
     found = dense(rigid_solver)[np.ix_(rigid_solver.place, rigid_solver.place)]
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-5)
 
@@ -214,11 +205,11 @@ def test_equations_without_a_solution_are_reported(model: Assembly) -> None:
 @pytest.mark.parametrize("locks", [7, 31])
 def test_a_body_in_one_piece_goes_into_the_border(locks: int) -> None:
     joint = Joint(locks, upper_body=UpperBody.MONOLITHIC)
-    order = ordering(Springs.of(assemble(joint, 0.03, NodeLayout.CENTRES)))
+    order = ordering(assemble(joint, 0.03, NodeLayout.CENTRES))
     assert (order.inner, order.outer, order.band) == (6 * locks, 6, 11)
 
 
 def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
-    few, many = (ordering(Springs.of(assemble(Joint(n), 0.03))) for n in (7, 31))
+    few, many = (ordering(assemble(Joint(n), 0.03)) for n in (7, 31))
     assert few.band == many.band
     assert many.outer == 0

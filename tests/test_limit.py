@@ -16,9 +16,8 @@ from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.limit import LimitState, limit_load
-from sidmacib.mechanics.optimisation import equilibrium_matrix
 
 
 def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:

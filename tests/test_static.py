@@ -26,8 +26,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.optimisation import equilibrium_matrix
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
 
 

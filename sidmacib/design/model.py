@@ -21,8 +21,7 @@ from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design import Layout, Weights
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.optimisation import equilibrium_matrix
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
 from sidmacib.validation import require_not_negative
 

@@ -1,9 +1,17 @@
 """Equilibrium of pieces: wrenches of unit node forces, and what given node forces leave over."""
 
+import importlib
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+RIGID = 6  # displacements and rotations of a rigid piece
 
 
 def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
@@ -40,14 +48,40 @@ def row_units(assembly: Assembly) -> Floats:
 def free_rows(assembly: Assembly) -> NDArray[np.int64]:
     """Rows of the free pieces in `equilibrium_matrix`, (6 F,)."""
     free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
-    return (6 * np.array(free)[:, None] + np.arange(6)).ravel()
+    return (RIGID * np.array(free)[:, None] + np.arange(RIGID)).ravel()
+
+
+def equilibrium_matrix(assembly: Assembly) -> "csr_array":
+    """Forces and moments about their centroids of all pieces under unit node forces.
+
+    Returns (6 * P, 3 * N), sparse. The force at a node, in the frame of `face_frames`, is the one
+    that the piece above exerts on the piece below; the piece above gets its opposite. The transpose
+    maps displacements of the pieces to relative displacements of the nodes (below minus above).
+    """
+    frames, position = face_frames(assembly), assembly.nodes.position
+    centres = np.array([piece.centre for piece in assembly.pieces])
+    ends = np.array([(face.below, face.above) for face in assembly.faces])[assembly.nodes.face]
+    columns = 3 * np.arange(len(position))[:, None, None] + np.arange(3)[:, None]
+    rows, values = [], []
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        arms = position - centres[ends[:, side]]
+        moments = np.cross(arms[:, None, :], frames)
+        values.append(sign * np.concatenate([frames, moments], axis=2))  # (N, 3, 6)
+        rows.append(6 * ends[:, side][:, None, None] + np.arange(6) + 0 * columns)
+    every = np.concatenate([(columns + 0 * rows[0]).ravel()] * 2)
+    shape = 6 * len(centres), 3 * len(position)
+    # Imported here: the static model of rigid pieces does without it.
+    csr_array = importlib.import_module("scipy.sparse").csr_array
+    found = csr_array((np.array(values).ravel(), (np.array(rows).ravel(), every)), shape)
+    found.eliminate_zeros()
+    return found
 
 
 def motion_of(assembly: Assembly, unknowns: Floats) -> Floats:
     """Displacements (m) and rotations (rad) of all pieces, (P, 6), from those of the free ones."""
-    motion = np.zeros(6 * len(assembly.pieces))
+    motion = np.zeros(RIGID * len(assembly.pieces))
     motion[free_rows(assembly)] = unknowns
-    return motion.reshape(-1, 6)
+    return motion.reshape(-1, RIGID)
 
 
 def unbalanced_forces(assembly: Assembly, loads: Loads, load: float, force: Floats) -> Floats:

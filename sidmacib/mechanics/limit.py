@@ -22,8 +22,8 @@ from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, Solv
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import Limited, crushing_rows
-from sidmacib.mechanics.equilibrium import free_rows, row_units
-from sidmacib.mechanics.optimisation import equilibrium_matrix, solve
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, motion_of, row_units
+from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.twist import Twist
 
@@ -95,22 +95,7 @@ def limit_load(
         )
     cone, limited = ContactLaw.of(assembly).cone(friction=friction), Limited()
     free = solved(assembly, loads, cone, limited, most=most)
-    if not friction:
-        return free
-    return _with_torque_limited(assembly, loads, cone, limited, free, most)
-
-
-def _with_torque_limited(
-    assembly: Assembly,
-    loads: Loads,
-    cone: Cone,
-    limited: Limited,
-    free: LimitState,
-    most: float | None,
-) -> LimitState:
-    """`limit_load` from the state without limits of torque, ``free``."""
-    twist = Twist.of(assembly, free.force)
-    if not twist.motions:
+    if not friction or not (twist := Twist.of(assembly, free.force)).motions:
         return free
     found, nearer = [free], 0
     while len(found) <= TORQUE_ROUNDS and not _settled(found):
@@ -252,11 +237,9 @@ class _Scales:
         """ValueError if gravity turns."""
         loads.require_proportional()
         share = assembly.nodes.area / assembly.nodes.area.sum()
-        # If nothing has strength, permanent loads are the only measure.
-        load = loads.scale or float(np.abs(loads.permanent).max()) or 1.0
-        node = LARGEST * load * share * len(assembly.faces)
+        node = LARGEST * loads.scale * share * len(assembly.faces)
         # Forces over the load, and moments over the load times the length, are about 1.
-        return cls(load, share, node, row_units(assembly) * load)
+        return cls(loads.scale, share, node, row_units(assembly) * loads.scale)
 
 
 def admissible(
@@ -372,10 +355,9 @@ def _of_rules(
 
 def _mechanism(assembly: Assembly, loads: Loads, units: _Scales, multipliers: Floats) -> Floats:
     """Motion of the pieces, (P, 6), from the multipliers of the equations of equilibrium."""
-    motion = np.zeros(6 * len(assembly.pieces))
     work = float(np.sum(multipliers * _scaled_loads(assembly, loads, units)[1]))
-    motion[free_rows(assembly)] = multipliers / work * (units.load / units.row)
-    return np.round(motion.reshape(-1, 6), MOTION_DIGITS) + 0.0
+    motion = motion_of(assembly, multipliers / work * (units.load / units.row))
+    return np.round(motion, MOTION_DIGITS) + 0.0
 
 
 def _scaled_loads(assembly: Assembly, loads: Loads, units: _Scales) -> tuple[Floats, Floats]:

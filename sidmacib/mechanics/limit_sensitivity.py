@@ -25,9 +25,8 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
-from sidmacib.mechanics.equilibrium import unbalanced_forces
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, unbalanced_forces
 from sidmacib.mechanics.limit import LimitState, limit_load
-from sidmacib.mechanics.optimisation import equilibrium_matrix
 
 SHAKE = 1e-5  # of loads, areas and lengths
 SAME = 1e-3  # difference of derivatives to either side, over the largest or the load over the size
@@ -79,16 +78,15 @@ def limit_derivatives(
             if _shape(other) != _shape(assembly):
                 raise ValueError(f"{name}: must keep pieces, faces and the number of nodes")
     state = limit_load(assembly, loads, friction=friction)
+    found: dict[str, float | None] = {}
     if state.untwisted is not None or crushed_faces(assembly):
-        by: dict[str, float | None] = {}
         for name, change in changes.items():
             before, after = (limit_load(*end, friction=friction).load for end in change.ends)
-            by[name] = (after - before) / change.difference
-        return LimitDerivatives(state.load, by)
+            found[name] = (after - before) / change.difference
+        return LimitDerivatives(state.load, found)
     shaken = [
         limit_load(*_shaken(assembly, loads, sign), friction=friction) for sign in (SHAKE, -SHAKE)
     ]
-    found: dict[str, float | None] = {}
     for name, change in changes.items():
         value, *others = (
             _derivative(assembly, each, change, friction) for each in (state, *shaken)

@@ -17,14 +17,14 @@ import numpy as np
 
 from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
-from sidmacib.mechanics.contact_law import NodeState, components
-from sidmacib.mechanics.contact_law.kernels import put_slip
-from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
+from sidmacib.mechanics.contact_law.kernels import NORMAL, put_slip
+from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units
 from sidmacib.mechanics.newton.equilibrium import Matrix, elastic, equilibrium
 from sidmacib.mechanics.newton.faces import ContactFaces, new_point, whole_faces
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
-from sidmacib.mechanics.springs import RIGID, Springs, soft_springs
+from sidmacib.mechanics.springs import soft_law
 
 Graph = dict[int, set[int]]  # pieces and those that they touch
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
@@ -56,10 +56,17 @@ class Ordering:
         return self.inner * (self.band + self.outer) ** 2 + self.outer**3
 
 
-def ordering(springs: Springs) -> Ordering:
+def ordering(assembly: Assembly) -> Ordering:
     """The order with the least work: pieces go into the border as long as that saves any."""
-    pairs = tuple(map(tuple, springs.piece.tolist()))
-    return _least_work(len(springs.unknowns) - 1, pairs)
+    free = sum(not piece.fixed for piece in assembly.pieces)
+    return _least_work(free, tuple(map(tuple, _ends(assembly)[1].tolist())))
+
+
+def _ends(assembly: Assembly) -> tuple[Integers, Integers]:
+    """Pieces below and above each face, (F, 2), and these counted among free ones, -1 for fixed."""
+    fixed = np.array([piece.fixed for piece in assembly.pieces])
+    ends = np.array([(face.below, face.above) for face in assembly.faces])
+    return ends, np.where(fixed, -1, np.cumsum(~fixed) - 1)[ends]
 
 
 @lru_cache(maxsize=32)  # joints with as many locks differ in sizes only
@@ -121,15 +128,12 @@ class RigidSolver:
     """Newton's method on ``assembly`` under ``loads``.
 
     Callers see the displacements of the free pieces, in m and rad. Internally, displacements and
-    forces have the units of `sidmacib.mechanics.springs` and the order of `ordering`.
+    forces have the units of `sidmacib.mechanics.newton.faces` and the order of `ordering`.
     `CapacityError` if faces differ in stiffness by more than `MOST_STIFF`.
     """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        springs, soft = Springs.of(assembly), soft_springs(assembly)
-        order, rows = ordering(springs), free_rows(assembly)
-        self.contact_law = springs.contact_law
-        self.here = new_point(order.inner + order.outer, springs.start)
+        order, self.contact_law = ordering(assembly), ContactLaw.of(assembly)
         laws = {face.material for face in assembly.faces}
         both = [k for law in laws for k in (law.normal_stiffness, law.shear_stiffness)]
         ratio = max(both) / min(both)
@@ -138,9 +142,11 @@ class RigidSolver:
                 f"the stiffest face is {ratio:.3g} times as stiff as the softest; with more than "
                 f"{MOST_STIFF:g} times rounding errors decide"
             )
-        self.contacts, self.soft = (
-            _contacts(each, order, ratio > STIFF) for each in (springs, soft)
+        self.contacts = _contact_faces(assembly, self.contact_law, order, ratio > STIFF)
+        self.soft = self.contacts._replace(
+            law=soft_law(assembly).rows(), bonded=np.zeros_like(self.contacts.bonded)
         )
+        self.here = new_point(order.inner + order.outer, self.contacts.start)
         self.matrix = Matrix(
             np.empty((order.inner, 3 * order.band + 1)),
             np.empty((order.inner, order.outer)),
@@ -148,12 +154,9 @@ class RigidSolver:
         )
         for each in (self.contacts, self.soft):
             whole_faces(each, self.here)
-        size = np.diff(springs.unknowns)
-        self.place = np.arange(springs.unknowns[-1])
-        self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
-        self.units = springs.units
-        self.rows = rows
-        self.stiffness, softer = _stiffest(springs), _stiffest(soft)
+        self.place = (order.begin[:, None] + np.arange(RIGID)).ravel()
+        self.units, self.rows = row_units(assembly), free_rows(assembly)
+        self.stiffness, softer = _stiffest(self.contacts), _stiffest(self.soft)
         self.floor = max(FLOOR * softer, LEAST_FLOOR * self.stiffness)
         self.drag = DRAG * softer
         self._carry(loads)
@@ -241,21 +244,26 @@ class RigidSolver:
         return np.asarray(unknowns[self.place] / self.units)
 
 
-def _stiffest(springs: Springs) -> float:
+def _stiffest(contacts: ContactFaces) -> float:
     """Normal stiffness (N/m) of the stiffest face."""
-    per_face = np.add.reduceat(springs.contact_law.normal_stiffness, springs.start[:-1])
-    return float(per_face.max())
+    return float(np.add.reduceat(contacts.law[NORMAL], contacts.start[:-1]).max())
 
 
-def _contacts(springs: Springs, order: Ordering, stiff: bool) -> ContactFaces:
+def _contact_faces(
+    assembly: Assembly, law: ContactLaw, order: Ordering, stiff: bool
+) -> ContactFaces:
+    nodes, axes, (ends, free) = assembly.nodes, face_axes(assembly), _ends(assembly)
+    middle = np.array([face.middle for face in assembly.faces])
+    arms = (nodes.position - middle[nodes.face]) / assembly.length
+    centres = np.array([piece.centre for piece in assembly.pieces])
     return ContactFaces(
-        springs.contact_law.rows(),
-        np.ascontiguousarray(springs.place.T),
-        springs.start,
-        springs.axes,
-        springs.levers,
-        np.where(springs.piece < 0, -1, order.begin[springs.piece]),
-        np.zeros((len(springs.piece), 2, 2, 6, 6)),
+        law.rows(),
+        np.ascontiguousarray((axes[nodes.face, 1:] * arms[:, None]).sum(axis=2).T),
+        np.searchsorted(nodes.face, np.arange(len(axes) + 1)),
+        axes,
+        (middle[:, None] - centres[ends]) / assembly.length,
+        np.where(free < 0, -1, order.begin[free]),
+        np.zeros((len(ends), 2, 2, 6, 6)),
         stiff,
         order.inner,
         order.outer,

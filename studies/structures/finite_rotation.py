@@ -17,8 +17,7 @@ from numba import njit
 
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.mechanics.optimisation import equilibrium_matrix
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt
 
 STEP = 0.25  # degrees

@@ -28,11 +28,9 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeL
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import element_edges, flexibility
 from sidmacib.mechanics.elastic.jumps import LooseNodes, OpenGaps, cholesky_factor, inverse_by
-from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium import RIGID, equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.newton.equilibrium import STEPS
-from sidmacib.mechanics.optimisation import equilibrium_matrix
 from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
-from sidmacib.mechanics.springs import RIGID
 
 GIB = 2.0**30
 BYTES = 8.0  # of a number

@@ -1,8 +1,9 @@
 """Faces with contact nodes: the forces on the pieces, and their derivatives.
 
-The unknowns (m) are those of `sidmacib.mechanics.springs`, in the order that
-`sidmacib.mechanics.rigid.ordering` finds; forces are in N. A piece has three displacements and
-three rotations, from ``ContactFaces.begin`` on.
+The unknowns (m) are the displacements of the free pieces, so their number does not depend on the
+mesh, in the order that `sidmacib.mechanics.rigid.ordering` finds. A piece has three displacements
+of its centroid and three rotations, from ``ContactFaces.begin`` on. Rotations are multiplied by the
+assembly's length and moments divided by it: forces are in N and stiffnesses in N/m.
 """
 
 # mypy: allow-untyped-defs
@@ -17,12 +18,19 @@ from sidmacib.mechanics.contact_law.kernels import all_bonded, put_forces, put_t
 
 
 class ContactFaces(NamedTuple):
-    """Pieces and faces with their nodes, the same along a path, see `Springs`.
+    """Pieces and faces with their nodes, the same along a path.
 
-    ``law``: of the nodes, see `sidmacib.mechanics.contact_law.kernels`, (4, N); ``places``: p and q
-    of each, (2, N). ``start``: first node of each face, then the number of nodes. ``axes``,
-    ``levers``: of the faces. ``begin``: first unknown of the pieces below and above each face, -1
-    for a fixed one, (F, 2).
+    The motion of a face, w, is the displacement of the piece below relative to the piece above, at
+    the face's middle: three translations along the face's normal and tangents and three rotations
+    about them. A node at place (p, q) of its face moves by delta = (w0 + q w4 - p w5,
+    w1 - q w3, w2 + p w3).
+
+    ``law``: of the nodes, see `sidmacib.mechanics.contact_law.kernels`, (4, N). ``places``: p and q
+    of each along the tangents, from the face's middle, over the assembly's length, (2, N).
+    ``start``: first node of each face, then the number of nodes, (F + 1,). ``axes``: normal and
+    tangents of each face, (F, 3, 3). ``levers``: from the centroid of either piece to the face's
+    middle, over the length, (F, 2, 3). ``begin``: first unknown of the pieces below and above each
+    face, -1 for a fixed one, (F, 2).
     ``bonded``: forces on the two pieces by the unknowns of either while all bonds of a face are
     whole (N/m), see `whole_faces`, (F, 2, 2, 6, 6).
     ``stiff``: whether nodes add up their own steps to equilibrium. If they follow from the pieces'

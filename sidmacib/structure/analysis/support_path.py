@@ -11,7 +11,7 @@ import shapely
 
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats, Kind, Loads, Nodes
-from sidmacib.mechanics.optimisation import equilibrium_matrix
+from sidmacib.mechanics.equilibrium import equilibrium_matrix
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
