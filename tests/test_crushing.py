@@ -22,7 +22,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.mechanics.crushing import _stress_blocks
+from sidmacib.mechanics.crushing import stress_blocks
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.capacity_curve import capacity_curve
@@ -127,7 +127,7 @@ def test_no_stress_block_of_any_direction_is_taken_to_carry_more(
     name: str, angle: float, share: float
 ) -> None:
     outline = OUTLINES[name]
-    blocks = _stress_blocks(outline)
+    blocks = stress_blocks(outline)
     way = np.array([math.cos(angle), math.sin(angle)])
     reach = shapely.get_coordinates(outline) @ way
     least = reach.max() - share * np.ptp(reach)

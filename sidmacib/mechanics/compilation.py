@@ -65,11 +65,6 @@ class Kept(NullCache):
         with suppress(RuntimeError):  # no folder can be written to
             self._places.append(FunctionCache(function))
 
-    @property
-    def cache_path(self) -> Any:
-        """The folder that is written to, if there is one."""
-        return self._places[-1].cache_path
-
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The function for these types; None where it has to be compiled."""
         for place in self._places:

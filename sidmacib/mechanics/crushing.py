@@ -41,6 +41,7 @@ WAYS = (
     (0.5, 2.0 ** (1 / 3), 14),
     (0.88, 2.0 ** (1 / 2), 10),
 )
+REACH = 3.0  # over the sides of a face: beyond all of it
 EXCEEDED = 1e-7  # of a limit, by which forces may exceed it
 FLAT = 1e-9  # of planes of the hull through the origin: their distance from it
 Found = TypeVar("Found")
@@ -76,11 +77,6 @@ class StressBlocks:
     limits: Floats
     size: float
 
-    @classmethod
-    def of(cls, face: Polygon) -> "StressBlocks":
-        """Of the outline of ``face``."""
-        return _stress_blocks(face.outline)
-
     def use(self, resultants: Floats) -> Floats:
         """The part of what is carried, (K,), of (n, m, m'), (K, 3); infinite outside the face."""
         demand = resultants @ self.normals.T
@@ -91,7 +87,8 @@ class StressBlocks:
 
 
 @lru_cache(maxsize=4096)
-def _stress_blocks(outline: shapely.Polygon) -> StressBlocks:
+def stress_blocks(outline: shapely.Polygon) -> StressBlocks:
+    """The polyhedron of a face with this ``outline`` (m)."""
     hull = shapely.orient_polygons(outline.convex_hull)
     low_x, low_y, high_x, high_y = hull.bounds
     sides = np.array([high_x - low_x, high_y - low_y])
@@ -108,7 +105,7 @@ def _stress_blocks(outline: shapely.Polygon) -> StressBlocks:
             reach = corners @ way
             high, low = float(reach.max()), float(reach.min())
             for depth in (high - low) * factor ** -np.arange(1.0, count + 1.0):
-                block = square.intersection(_beyond(way, high - depth, 3.0))
+                block = square.intersection(_beyond(way, high - depth))
                 place = np.array([block.centroid.x, block.centroid.y])
                 found.append(block.area / square.area * np.array([1.0, *place]))
     # Imported here: it takes longer to import than most cases without crushing to prepare.
@@ -118,10 +115,10 @@ def _stress_blocks(outline: shapely.Polygon) -> StressBlocks:
     return StressBlocks(normals, np.where(-planes[:, 3] > FLAT, -planes[:, 3], 0.0), size)
 
 
-def _beyond(way: Floats, least: float, reach: float) -> shapely.Polygon:
-    """The points whose ``way``, of length 1, is at least ``least`` (m), up to ``reach`` (m)."""
-    across = reach * np.array([-way[1], way[0]])
-    edge, far = least * way, (least + 2.0 * reach) * way
+def _beyond(way: Floats, least: float) -> shapely.Polygon:
+    """The points whose ``way``, of length 1, is at least ``least``, as far as `REACH`."""
+    across = REACH * np.array([-way[1], way[0]])
+    edge, far = least * way, (least + 2.0 * REACH) * way
     return shapely.Polygon([edge - across, far - across, far + across, edge + across])
 
 
@@ -182,7 +179,7 @@ def crushing_rows(
     for number, face, strength in crushed_faces(assembly):
         if number not in faces:
             continue
-        blocks = StressBlocks.of(face)
+        blocks = stress_blocks(face.outline)
         nodes, sums = resultant_rows(assembly, number, blocks.size)
         rows.append((blocks.normals @ sums * (unit[nodes] / load)).ravel())
         limits.append(blocks.limits * (strength * face.area / load))
@@ -205,7 +202,7 @@ def crushing_use(assembly: Assembly, forces: Floats) -> dict[int, Floats]:
     """
     found = {}
     for number, face, strength in crushed_faces(assembly):
-        blocks = StressBlocks.of(face)
+        blocks = stress_blocks(face.outline)
         nodes, sums = resultant_rows(assembly, number, blocks.size)
         pressing = np.maximum(forces[:, nodes], 0.0) / (strength * face.area)
         found[number] = blocks.use(pressing @ sums.T)

@@ -272,9 +272,8 @@ def points_of(face: Face) -> tuple[Floats, Floats, float]:
     if isinstance(face, Rectangle):
         u, v = face.axes[1:] @ (np.array(face.high) - np.array(face.low))
         return _points(shapely.box(-u / 2, -v / 2, u / 2, v / 2))
-    if isinstance(face, Polygon):
-        return _points(face.outline)
-    raise TypeError(f"{face.name}: must be a polygon or a rectangle")
+    assert isinstance(face, Polygon)
+    return _points(face.outline)
 
 
 @lru_cache(maxsize=4096)
