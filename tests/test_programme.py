@@ -94,7 +94,7 @@ def test_forces_at_the_peak_balance_the_upper_block_and_keep_their_bounds(joint:
     model = Sidmacib(joint, OPTIONS["option2"])
     point = capacity(model, Direction(1 / 3))
     along, across, normal = point.forces.T
-    positions = contact_points(joint, model.option).position
+    positions = contact_points(joint, model.option)
     assert across.sum() == pytest.approx(-point.shear)
     assert along.sum() == pytest.approx(0.0, abs=1e-6)
     torque = positions[:, 0] @ across - positions[:, 1] @ along

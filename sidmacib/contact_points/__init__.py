@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats
@@ -79,26 +78,14 @@ READY_OPTIONS = {
 }
 
 
-@dataclass(frozen=True)
-class ContactPoints:
-    """Contact points of all locks, one row each."""
-
-    position: Floats  # (N, 3) in m
-    lock: NDArray[np.int64]  # (N,) number of the lock, from 1
-    portion: Floats  # (N,) share p of the lock's strength
-
-
-def contact_points(joint: Joint, option: ContactOption) -> ContactPoints:
-    """The points of ``option`` on every lock, at mid-height."""
-    lock = np.repeat(np.arange(1, joint.locks + 1), len(option.positions))
-    position = np.column_stack(
-        [
-            np.tile(np.array(option.positions) * joint.a, joint.locks),
-            np.array([joint.lock_centre_y(int(number)) for number in lock]),
-            np.full(len(lock), joint.h / 2),
-        ]
-    )
-    return ContactPoints(position, lock, np.tile(option.portions, joint.locks))
+def contact_points(joint: Joint, option: ContactOption) -> Floats:
+    """Places (m) of the points of ``option``, lock by lock, at mid-height, (N, 3)."""
+    places = [
+        (along * joint.a, joint.lock_centre_y(lock), joint.h / 2)
+        for lock in joint.numbers
+        for along in option.positions
+    ]
+    return np.array(places)
 
 
 def floor_of_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:

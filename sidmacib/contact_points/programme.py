@@ -134,12 +134,13 @@ def programme(model: Sidmacib) -> Admissible:
     that its bond may have, of which the point has the portion :math:`p_{ij}`; :math:`w_j` is 1, or
     less if a reduction applies to the lock.
     """
-    joint, points = model.joint, contact_points(model.joint, model.option)
-    lock, count = points.lock - 1, len(points.lock)
+    joint, option = model.joint, model.option
+    points = contact_points(joint, option)
+    count = len(points)
     weight, centroid = block_above(joint)
     pressure = weight + model.pressing_force
-    w = np.array(model.strength if model.strength is not None else [1.0] * joint.locks)
-    limit = w[lock] * points.portion * np.array(joint.strengths)[lock]
+    w, p = np.array(model.strength or (1.0,) * joint.locks)[:, None], np.array(option.portions)
+    limit = (w * p * np.array(joint.strengths)[:, None]).ravel()
     units = _Units.of(model, limit, pressure, float(centroid[2] - joint.h / 2))
     loads, r = cp.Variable(2), cp.Variable((count, 3))
     r_t1, r_t2, r_n = r[:, 0], r[:, 1], r[:, 2]
@@ -150,7 +151,7 @@ def programme(model: Sidmacib) -> Admissible:
     # Largest terms in the equations of force x, y, z and moment x, y, z.
     width = joint.total_width
     size = np.array([along, shear, normal, normal * width, normal * joint.a, torque])
-    C_eq = wrenches(points.position, axes, centroid) * np.tile(units.forces, count) / size[:, None]
+    C_eq = wrenches(points, axes, centroid) * np.tile(units.forces, count) / size[:, None]
     rocking = -pressing_lever(joint, centroid) * model.pressing_force
     permanent = np.array([0.0, 0.0, -pressure, rocking, 0.0, 0.0]) / size
     lateral = np.zeros((6, 2))

@@ -349,7 +349,7 @@ class Direction:
     @property
     def shear(self) -> float:
         """V over the load."""
-        return 0.0 if math.isinf(self.eccentricity) else 1.0 / math.hypot(1.0, self.eccentricity)
+        return 1.0 / math.hypot(1.0, self.eccentricity)
 
     @property
     def torque(self) -> float:

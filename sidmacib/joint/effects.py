@@ -5,15 +5,14 @@ effect includes what changes on the way: another node that fails first, a contac
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint import AMOUNTS, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
-from sidmacib.joint.parameters import PARAMETERS
+from sidmacib.joint.parameters import PARAMETERS, value_at, with_fields
 from sidmacib.joint.pieces import reassemble
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.static import static_first_failure
@@ -37,25 +36,16 @@ class Field:
 
     def of(self, joint: Joint) -> float:
         """Its value in ``joint``, at the first place."""
-        return _value(joint, self.places[0])
+        return float(value_at(joint, self.places[0]))
 
     def put(self, joint: Joint, value: float) -> Joint:
         """``joint`` with another ``value``."""
         before = self.of(joint)
-        for place in self.places:
-            part, _, field = place.rpartition(".")
-            changed: dict[str, Any] = {
-                field: value * _value(joint, place) / before if before else value
-            }
-            if part:
-                changed = {part: replace(getattr(joint, part), **changed)}
-            joint = replace(joint, **changed)
-        return joint
-
-
-def _value(joint: Joint, place: str) -> float:
-    part, _, field = place.rpartition(".")
-    return float(getattr(getattr(joint, part) if part else joint, field))
+        values = {
+            place: value * value_at(joint, place) / before if before else value
+            for place in self.places
+        }
+        return with_fields(joint, values)
 
 
 FIELDS = tuple(

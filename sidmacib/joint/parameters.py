@@ -63,8 +63,7 @@ class Parameter:
 
     def of(self, joint: Joint) -> Any:
         """Its value in ``joint``; None of the elastic material of rigid pieces."""
-        part, _, field = self.fields[0].rpartition(".")
-        return getattr(getattr(joint, part) if part else joint, field, None)
+        return value_at(joint, self.fields[0])
 
     @property
     def choices(self) -> type[StrEnum] | None:
@@ -106,11 +105,22 @@ SIZES = ("a", "b", "h", "H")
 
 def with_parameters(joint: Joint, values: Mapping[str, Any]) -> Joint:
     """``joint`` with the ``values`` of parameters by name; ValueError as for a `Joint`."""
+    fields = {field: value for name, value in values.items() for field in PARAMETERS[name].fields}
+    return with_fields(joint, fields)
+
+
+def value_at(joint: Joint, place: str) -> Any:
+    """The value of a field such as ``inner.cohesion``; None where ``joint`` has no such part."""
+    part, _, field = place.rpartition(".")
+    return getattr(getattr(joint, part) if part else joint, field, None)
+
+
+def with_fields(joint: Joint, values: Mapping[str, Any]) -> Joint:
+    """``joint`` with the ``values`` of fields such as ``inner.cohesion``; errors of a `Joint`."""
     changes: dict[str, dict[str, Any]] = defaultdict(dict)
-    for name, value in values.items():
-        for place in PARAMETERS[name].fields:
-            part, _, field = place.rpartition(".")
-            changes[part][field] = value
+    for place, value in values.items():
+        part, _, field = place.rpartition(".")
+        changes[part][field] = value
     whole = changes.pop("", {})
     for part, changed in changes.items():
         before = getattr(joint, part)

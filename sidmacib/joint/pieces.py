@@ -22,7 +22,6 @@ from sidmacib.mechanics.assembly import (
     Nodes,
     Rectangle,
 )
-from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_nodes import cells_along, contact_nodes, corners
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.validation import require_positive
@@ -59,12 +58,10 @@ def reassemble(joint: Joint, assembly: Assembly) -> Assembly:
     """``joint`` with the nodes of ``assembly``, of a joint that differs in sizes and materials.
 
     Every node stays at the same part of its face, whatever the mesh, so that what is computed on
-    both is a smooth function of the sizes. ValueError if the pieces or faces are others.
+    both is a smooth function of the sizes.
     """
     pieces, before = cut_pieces(joint), assembly.rectangles
     faces = tuple(_faces(joint, pieces))
-    if [face.name for face in faces] != [face.name for face in before]:
-        raise ValueError("joint: must be cut into the same pieces")
     (low, high), (new_low, new_high) = corners(before), corners(faces)
     larger = np.array([new.area / old.area for new, old in zip(faces, before, strict=True)])
     face = assembly.nodes.face
@@ -103,6 +100,12 @@ def lock_faces(joint: Joint) -> dict[str, int]:
         below, above = (name, body_above(joint, lock)) if upper else (LOWER, name)
         found[f"{Kind.INNER}-{below}-{above}"] = lock
     return found
+
+
+def roots(joint: Joint, assembly: Assembly) -> list[int]:
+    """Indices of the inner (horizontal) faces of the locks, in the order of their numbers."""
+    index = {face.name: number for number, face in enumerate(assembly.faces)}
+    return [index[name] for name in lock_faces(joint)]
 
 
 def cut_pieces(joint: Joint) -> tuple[Cuboid, ...]:
@@ -216,26 +219,22 @@ def lock_weights(joint: Joint, assembly: Assembly, force: Floats) -> tuple[LockW
     ``force``: (N, 3) in N, what the piece below each node exerts on the piece above, in the frame
     of the face. ValueError for a lock without cohesion.
     """
-    numbers = lock_faces(joint)
     shear = np.einsum("nt,ntx->nx", force[:, 1:], face_frames(assembly)[:, 1:])[:, :2]
     size = np.hypot(shear[:, 0], shear[:, 1])
-
-    def weight(lock: int, nodes: Flags) -> LockWeight:
-        require_positive(**{f"cohesion of lock {lock}": joint.inner_of(lock).cohesion})
+    weights = []
+    for lock, face in zip(joint.numbers, roots(joint, assembly), strict=True):
+        nodes, cohesion = assembly.nodes.face == face, joint.inner_of(lock).cohesion
+        require_positive(**{f"cohesion of lock {lock}": cohesion})
         x, y = (float(value) for value in shear[nodes].sum(axis=0))
-        return LockWeight(
-            lock,
-            "upper" if joint.is_upper(lock) else "lower",
-            float(np.hypot(x, y)) / joint.strength(lock),
-            float(size[nodes].sum()) / joint.strength(lock),
-            float((size[nodes] / assembly.nodes.area[nodes]).max()) / joint.inner_of(lock).cohesion,
-            x,
-            y,
+        weights.append(
+            LockWeight(
+                lock,
+                "upper" if joint.is_upper(lock) else "lower",
+                float(np.hypot(x, y)) / joint.strength(lock),
+                float(size[nodes].sum()) / joint.strength(lock),
+                float((size[nodes] / assembly.nodes.area[nodes]).max()) / cohesion,
+                x,
+                y,
+            )
         )
-
-    weights = [
-        weight(numbers[face.name], assembly.nodes.face == index)
-        for index, face in enumerate(assembly.faces)
-        if face.name in numbers
-    ]
-    return tuple(sorted(weights, key=lambda each: each.lock))
+    return tuple(weights)

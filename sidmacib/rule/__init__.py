@@ -21,7 +21,7 @@ import numpy as np
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
-from sidmacib.joint.pieces import assemble, lock_faces
+from sidmacib.joint.pieces import assemble, roots
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads, self_weight
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
@@ -142,7 +142,7 @@ def _state(
     joint: Joint, assembly: Assembly, contact_law: ContactLaw, failure: FirstFailure
 ) -> JointFailure:
     """Forces and utilisation of the roots of ``joint`` at its ``failure``."""
-    point, nodes, roots = failure.point, assembly.nodes, lock_faces(joint)
+    point, nodes, order = failure.point, assembly.nodes, roots(joint, assembly)
     of_nodes = utilisation(contact_law, point.state, point.force)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
     of_faces = np.maximum.reduceat(of_nodes, start)
@@ -151,8 +151,6 @@ def _state(
     arm = nodes.position - middle[nodes.face]
     torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
     x, y, turned = (np.add.reduceat(each, start) for each in (force[:, 0], force[:, 1], torque))
-    locks = {roots[face.name]: i for i, face in enumerate(assembly.faces) if face.name in roots}
-    order = [locks[lock] for lock in joint.numbers]
     forces = x[order], y[order], turned[order]
     return JointFailure(float(point.load), failure.mode, *forces, of_faces[order])
 

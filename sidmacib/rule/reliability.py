@@ -65,7 +65,7 @@ class Scatter:
         if load <= 0.0:
             return 1.0
         loaded = self.utilisation[self.utilisation > 0.0]
-        needed, deviation = loaded * load / self.load, self._deviation
+        needed, deviation = loaded * load / self.load, _deviation(self.variation)
         standard = (np.log(needed) + deviation**2 / 2.0) / deviation  # normal variable
         return float(np.exp(norm.logsf(standard).sum()))
 
@@ -76,24 +76,17 @@ class Scatter:
         """
         if not 0.0 < share < 1.0:
             raise refused("share", share, "more than 0 and less than 1")
-        deviation = self._deviation
 
         def beyond(logarithm: float) -> float:
             return self.survival(self.load * math.exp(logarithm)) - (1.0 - share)
 
-        wide = WIDEST * deviation + LEAST_WIDTH
+        wide = WIDEST * _deviation(self.variation) + LEAST_WIDTH
         return float(self.load * math.exp(brentq(beyond, -wide, wide, xtol=1e-10)))
 
-    @staticmethod
-    def strength(variation: float, standard: float) -> float:
-        """A strength over its mean, of a ``standard`` normal variable."""
-        deviation = math.sqrt(math.log1p(variation**2))
-        return math.exp(deviation * standard - deviation**2 / 2.0)
 
-    @property
-    def _deviation(self) -> float:
-        """Standard deviation of the logarithm of a strength."""
-        return math.sqrt(math.log1p(self.variation**2))
+def _deviation(variation: float) -> float:
+    """Standard deviation of the logarithm of a strength with this coefficient of ``variation``."""
+    return math.sqrt(math.log1p(variation**2))
 
 
 def scatter(
@@ -180,7 +173,8 @@ def characteristic(
     if beyond(margin) < 0.0:
         # Suffices even where all locks are loaded to their strength.
         share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / joint.locks)
-        most = 1.01 / Scatter.strength(variation, float(norm.ppf(share)))
+        deviation = _deviation(variation)
+        most = 1.01 / math.exp(deviation * float(norm.ppf(share)) - deviation**2 / 2.0)
         margin = float(brentq(held, 1.0, most, xtol=ROUNDING, rtol=ROUNDING))
         if abs(held(margin)) > NEAR:
             raise CapacityError(
@@ -216,13 +210,11 @@ def resistances(reliability: Reliability) -> dict[str, Callable[..., LawCapacity
 
     They take a joint, a direction and a push, as the law does.
     """
-
-    def fractile(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
-        return characteristic(joint, direction, reliability.variation, push).capacity
-
     asked: dict[str, Callable[..., LawCapacity]] = {}
     if reliability.variation:
-        asked["characteristic"] = fractile
+        asked["characteristic"] = lambda joint, direction, push=Push.PLUS_Y: (
+            characteristic(joint, direction, reliability.variation, push).capacity
+        )
     if reliability.partial_factor != 1.0:
         asked["design"] = partial(design_resistance, reliability=reliability)
     return asked
