@@ -11,8 +11,8 @@ from analysis.summary import disagreements
 from analysis.summary.structures import structure_disagreement
 from analysis.summary.summary import _disagreements
 from sidmacib.engines import run
-from sidmacib.engines.agreement import disagreement
 from sidmacib.engines.engine import Engine
+from sidmacib.engines.results import disagreement
 from sidmacib.problem import Failures, Outcome, State
 
 STATIC = Failures(441.5, 1148.2)

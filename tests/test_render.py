@@ -14,9 +14,9 @@ from structures import dry
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine, Numerics
-from sidmacib.engines.render import DATA_FILE, MODULES, script, write_script
-from sidmacib.engines.run import guide_for, guide_of, run_engine
-from sidmacib.engines.scripts.assembly import read_assembly
+from sidmacib.engines.render import DATA_FILE, MODULES, write_script
+from sidmacib.engines.run import guide_of, run_engine
+from sidmacib.engines.scripts.assembly import Guide, read_assembly
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
@@ -39,19 +39,23 @@ def three_locks() -> tuple[Assembly, Loads]:
     return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
 
 
-def written(engine: Engine, case: tuple[Assembly, Loads], folder: Path) -> Path:
-    write_script(engine, *case, Numerics(), "three locks", folder)
+def written(
+    engine: Engine, case: tuple[Assembly, Loads], folder: Path, guide: Guide | None = None
+) -> Path:
+    write_script(engine, *case, Numerics(), "three locks", folder, guide)
     return folder
 
 
-def test_the_script_is_python_without_traces_of_the_template(engine: Engine, case) -> None:
-    text = script(engine, *case, Numerics(), "three locks")
+def test_the_script_is_python_without_traces_of_the_template(
+    engine: Engine, case, tmp_path: Path
+) -> None:
+    text = (written(engine, case, tmp_path) / engine.script).read_text()
     ast.parse(text)
     assert "{{" not in text and "{%" not in text
     assert "three locks" in text
 
 
-def test_all_modules_that_a_script_needs_are_beside_it_and_no_others(
+def test_all_modules_that_a_script_needs_are_beside_it_and_none_of_this_project(
     engine: Engine, case, tmp_path: Path
 ) -> None:
     modules = written(engine, case, tmp_path) / MODULES.name
@@ -119,8 +123,7 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     def scripts(numerics: Numerics) -> list[str]:
         found = []
         for problem in problems_of(engine):
-            guide = guide_for(engine, problem, numerics)
-            run_engine(engine, problem, numerics, "what is tested", tmp_path, 1.0, guide)
+            run_engine(engine, problem, numerics, "what is tested", tmp_path, 1.0)
             found.append((tmp_path / engine.script).read_text())
         return found
 
@@ -129,9 +132,15 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
 
 
 @pytest.mark.parametrize("name", [name for name in ENGINES if "guided" in ENGINES[name].reads])
-def test_the_static_model_guides_the_search(name: str, case: tuple[Assembly, Loads]) -> None:
+def test_the_static_model_guides_the_search(
+    name: str, case: tuple[Assembly, Loads], tmp_path: Path
+) -> None:
     guide = guide_of(*case)
     assert guide is not None
-    text = script(ENGINES[name], *case, Numerics(), "guided", guide)
-    assert f"first_failure_N={guide.first_failure_N}," in text and f"peak_N={guide.peak_N}," in text
-    assert "Guide" not in script(ENGINES[name], *case, Numerics(), "not guided")
+    texts = [
+        (written(ENGINES[name], case, tmp_path, each) / ENGINES[name].script).read_text()
+        for each in (guide, None)
+    ]
+    assert f"first_failure_N={guide.first_failure_N}," in texts[0]
+    assert f"peak_N={guide.peak_N}," in texts[0]
+    assert "Guide" not in texts[1]

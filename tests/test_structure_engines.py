@@ -334,8 +334,6 @@ def test_faces_in_any_direction_have_their_normal_and_tangents(tmp_path: Path) -
     for face, written in zip(problem.assembly.faces, data["faces"], strict=True):
         axes = np.array([written["normal"], *written["tangents"]])
         assert axes == pytest.approx(face.axes)
-        assert written["size_m"][0] == 0.0
-        assert max(written["size_m"]) >= 0.4 - 1e-9
     assert all("low_m" not in piece for piece in data["pieces"])
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 from analysis.drawing import label_of, option_name, rule_name
 from analysis.tables import winner
 from sidmacib.engines import ENGINES
-from sidmacib.engines.agreement import disagreement
+from sidmacib.engines.results import disagreement
 from sidmacib.models import REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import Failures
 from workflow.case import REFERENCE

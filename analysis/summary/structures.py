@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.answers.verdict import Verdict, on_all
-from sidmacib.engines.agreement import disagreement
+from sidmacib.engines.results import disagreement
 from sidmacib.problem import FIRST_FAILURE, Failures
 from workflow.case import REFERENCE
 

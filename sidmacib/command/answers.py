@@ -86,7 +86,7 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer:
     from sidmacib.answers.joint import meshes
-    from sidmacib.engines.agreement import disagreement
+    from sidmacib.engines.results import disagreement
     from sidmacib.engines.run import EngineError, engine_outcome
     from sidmacib.joint.loading import posed
     from sidmacib.problem import checked_share

@@ -1,6 +1,5 @@
 """Structures that YADE moves: capacity curves, and supports that settle, spread or turn."""
 
-import csv
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -9,8 +8,8 @@ import numpy as np
 from sidmacib.answers.supports import SupportAnswer
 from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import write_script
+from sidmacib.engines.results import read_history
 from sidmacib.engines.run import HOUR, USUAL, EngineError, EngineNoAnswerError, execute, refusal
-from sidmacib.engines.scripts.records import HISTORY, EngineOutcome
 from sidmacib.engines.yade.engine import YADE
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.problem import Problem
@@ -72,11 +71,6 @@ def _run(
         raise EngineNoAnswerError(f"yade: {reason}")
     write_script(YADE, assembly, loads, numerics, "Structure.", folder, furthest=furthest)
     execute(YADE, folder, time_limit)
-    with (folder / HISTORY).open() as stream:
-        rows = [
-            (float(row["displacement_m"]), float(row["load_N"]))
-            for row in csv.DictReader(stream)
-            if row["stage"] == EngineOutcome.EQUILIBRIUM.value
-        ]
-    displacement, load = np.array(rows).T
+    _, path = read_history(folder)
+    displacement, load = np.array([(state.displacement, state.load) for state in path]).T
     return displacement, load

@@ -1,18 +1,15 @@
 """Render a case: an engine's script from its template, and beside it the assembly and modules."""
 
-import ast
 import json
 import math
 import re
 import shutil
 from dataclasses import asdict, fields
 from functools import cache
-from importlib.util import resolve_name
 from pathlib import Path
 from typing import Any
 
 import jinja2
-import jinja2.meta
 import numpy as np
 
 from sidmacib.engines.engine import Engine, Numerics
@@ -29,7 +26,6 @@ from sidmacib.mechanics.assembly import (
     Piece,
     Rectangle,
 )
-from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.springs import natural_frequencies
 from sidmacib.structure.loads import SupportMotion
 
@@ -37,6 +33,8 @@ DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent
 PACKED = Path(__file__).parents[1] / "templates"  # of an installed package
 TEMPLATES = PACKED if PACKED.is_dir() else Path(__file__).parents[2] / "templates"
+# Files of an engine that do not run beside its script.
+OF_THIS_PROJECT = shutil.ignore_patterns("engine.py", "__pycache__")
 # Radii of contact spheres over the mean size of pieces: the small one is far more than what presses
 # contacts together, and by the slip over the large one a normal turns.
 POINT, FLAT = 0.001, 1000.0
@@ -63,33 +61,12 @@ def write_script(
 ) -> None:
     """Write into ``folder`` all that the engine needs to run there, by hand as well.
 
-    ``guide``, ``furthest``: see `script`.
+    ``guide``: where it looks first. ``furthest``: the displacement (m) to which YADE moves the
+    assembly, in place of a search.
     """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
-    text = script(engine, assembly, loads, numerics, title, guide, furthest)
-    (folder / engine.script).write_text(text)
-    modules = folder / MODULES.name
-    shutil.rmtree(modules, ignore_errors=True)
-    for name in script_modules(text):
-        (modules / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(MODULES / name, modules / name)
-
-
-def script(
-    engine: Engine,
-    assembly: Assembly,
-    loads: Loads,
-    numerics: Numerics,
-    title: str,
-    guide: Guide | None = None,
-    furthest: float | None = None,
-) -> str:
-    """The engine's script for ``assembly`` under ``loads``; ``guide``: where it looks first.
-
-    ``furthest``: the displacement (m) to which YADE moves the assembly, in place of a search.
-    """
-    return ENVIRONMENT.get_template(engine.template).render(
+    text = ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
         data_file=DATA_FILE,
@@ -100,8 +77,13 @@ def script(
         tolerance=numerics.tolerance,
         guide=guide,
         furthest_m=furthest,
-        **({} if engine.elastic else _rigid_pieces_in_time(assembly, loads, numerics)),
+        **({} if engine.elastic else _rigid_pieces_in_time(assembly, numerics)),
     )
+    (folder / engine.script).write_text(text)
+    modules = folder / MODULES.name
+    shutil.rmtree(modules, ignore_errors=True)
+    for package in ("scripts", engine.name):
+        shutil.copytree(MODULES / package, modules / package, ignore=OF_THIS_PROJECT)
 
 
 def _range(assembly: Assembly, loads: Loads, numerics: Numerics) -> dict[str, float | str]:
@@ -121,9 +103,7 @@ def _range(assembly: Assembly, loads: Loads, numerics: Numerics) -> dict[str, fl
     return {"first_increment_N": first, "last_N": last, "unit": unit, "no_peak": no_peak}
 
 
-def _rigid_pieces_in_time(
-    assembly: Assembly, loads: Loads, numerics: Numerics
-) -> dict[str, float | int | bool]:
+def _rigid_pieces_in_time(assembly: Assembly, numerics: Numerics) -> dict[str, float | int | bool]:
     """Additional data for rigid pieces that move in time on contact spheres."""
     blocks = not all(isinstance(piece, Cuboid) for piece in assembly.pieces)
     frequencies = natural_frequencies(assembly)
@@ -208,70 +188,33 @@ def _piece(piece: Piece, permanent: Floats) -> dict[str, Any]:
 
 
 def _face(face: Face, material: str) -> dict[str, Any]:
-    """A face: a rectangle has sizes along x, y, z, any other along its normal and tangents."""
-    data = {
+    """A face; only a rectangle has no tangents, as it lies along the axes."""
+    data: dict[str, Any] = {
         "name": face.name,
         "kind": str(face.kind),
         "below": face.below,
         "above": face.above,
         "normal": face.axes[0].tolist(),
+        "material": material,
     }
-    if isinstance(face, Rectangle):
-        size = [high - low for low, high in zip(face.low, face.high, strict=True)]
-        return {**data, "size_m": size, "material": material}
-    if not isinstance(face, Polygon):
-        raise TypeError(f"{face.name}: must be a rectangle or a polygon")
-    low_p, low_q, high_p, high_q = face.outline.bounds
-    size = [0.0, high_p - low_p, high_q - low_q]
-    tangents = face.axes[1:].tolist()
-    return {**data, "size_m": size, "material": material, "tangents": tangents}
-
-
-@cache
-def script_modules(text: str) -> tuple[str, ...]:
-    """Files below `MODULES` that a script of this text imports, directly or not."""
-    names: set[str] = set()
-    waiting = _imported(text, "")
-    while waiting:
-        name = waiting.pop()
-        if name not in names:
-            names.add(name)
-            waiting |= _imported_by(name)
-    return tuple(sorted(names))
-
-
-@cache
-def _imported_by(file: str) -> frozenset[str]:
-    package = ".".join((MODULES.name, *Path(file).parent.parts))
-    return frozenset(_imported((MODULES / file).read_text(), package))
-
-
-def _imported(text: str, package: str) -> set[str]:
-    """Files below `MODULES` that a module of ``package`` imports, and those of their packages."""
-    names = (
-        resolve_name("." * node.level + node.module, package)
-        for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.ImportFrom) and node.module
-    )
-    below = [name.split(".")[1:] for name in names if name.startswith(f"{MODULES.name}.")]
-    return {f"{folder}/{file}.py" for folder, name in below for file in ("__init__", name)}
+    if not isinstance(face, Rectangle):
+        data["tangents"] = face.axes[1:].tolist()
+    return data
 
 
 @cache
 def sources(engine: Engine) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Modules that the engine's script imports, and files it is made of, below the project."""
-    files, waiting = [], [engine.template]
-    while waiting:
-        name = waiting.pop()
-        files.append(name)
+    files, modules = [engine.template], list[str]()
+    for name in files:  # which grows meanwhile
         text = (TEMPLATES / name).read_text()
-        found = jinja2.meta.find_referenced_templates(ENVIRONMENT.parse(text))
-        waiting += [other for other in found if other]
-    texts = "".join((TEMPLATES / name).read_text() for name in files)
-    named = re.findall(rf"^from ({MODULES.name}[\w.]+) import", texts, re.MULTILINE)
+        files += re.findall(r'{% include "(.+)" %}', text)
+        modules += re.findall(rf"^from ({MODULES.name}[\w.]+) import", text, re.MULTILINE)
     root = __name__.removesuffix(f"{MODULES.name}.render")
-    modules = tuple(f"{root}{name}" for name in dict.fromkeys(named))
-    return modules, tuple(f"{TEMPLATES.name}/{name}" for name in files)
+    return (
+        tuple(f"{root}{name}" for name in dict.fromkeys(modules)),
+        tuple(f"{TEMPLATES.name}/{name}" for name in files),
+    )
 
 
 def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:

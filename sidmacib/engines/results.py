@@ -1,4 +1,4 @@
-"""The files that an engine leaves: read, and checked."""
+"""The files that an engine leaves: read, checked, and held against the static model."""
 
 import csv
 import json
@@ -11,20 +11,18 @@ from sidmacib.engines.scripts.records import HISTORY, MODES, NODES, RESULT
 from sidmacib.errors import ResultError
 from sidmacib.mechanics.assembly import Assembly, Floats, Nodes
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.problem import Outcome, State
+from sidmacib.problem import FIRST_FAILURE, PEAK, Failures, Outcome, State
 
 BROKEN = "_broken_share"  # suffix of a history's columns of broken bonds
-NODE_COLUMNS = (
-    *("face", "kind", "x_m", "y_m", "z_m", "area_m2"),
-    *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
-)
 POSITION = ("x_m", "y_m", "z_m")
 STRESS = ("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa")
+NODE_COLUMNS = ("face", "kind", *POSITION, "area_m2", *STRESS, "bonded")
 Rows = list[dict[str, str]]
 UNREADABLE = (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError)
 MOST_LETTERS = 100  # letters, of what is wrong with a file
 SAME = 1e-9  # of a load that stands in two files
 BEYOND = 10.0  # over the peak: no load so large is tried with success
+APART = 0.1  # of a load of the static model: what differs by more is said
 LEAST_OF_FIRST_FAILURE = 0.8  # peak of an engine over the first failure of the static model
 SLACK = 1e-6  # of a tolerance: rounding
 CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are rounded
@@ -34,8 +32,7 @@ def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
     """The outcome that an engine left in ``folder``; `ResultError` names file and line."""
     peak, failed, first, mode = _read_result(folder / RESULT)
     nodes = read_nodes(folder / NODES, assembly)
-    rows = read_table(folder / HISTORY, ("load_N", "displacement_m"))
-    path = _path(folder / HISTORY, rows)
+    rows, path = read_history(folder)
     _check_history(path, peak, assembly)
     at_peak = State(peak, path[-1].displacement if path else None, *nodes)
     before = [state for state in path if state.load < peak * (1.0 - 1e-12)]
@@ -69,6 +66,27 @@ def check_first_failure(outcome: Outcome, expected: float) -> None:
             f"peak of {peak:g} N contradicts the static model, in which nothing fails up to "
             f"{expected:g} N; it must be at least {LEAST_OF_FIRST_FAILURE:g} of that"
         )
+
+
+def disagreement(peak: float | None, first: float | None, static: Failures) -> str:
+    """In which load an engine differs from the ``static`` model, in words; nothing if in none.
+
+    ``peak``, ``first``: those of the engine, None if it does not say; all loads in one unit. Of the
+    static model, a load that is not known is nan. A peak below its first failure matters most, then
+    the peak.
+    """
+    if peak is not None and peak < (1.0 - APART) * static.first:
+        return _difference(PEAK, peak, FIRST_FAILURE, static.first)
+    for which, found, expected in ((PEAK, peak, static.peak), (FIRST_FAILURE, first, static.first)):
+        if found is not None and abs(found - expected) > APART * expected:
+            return _difference(which, found, which, expected)
+    return ""
+
+
+def _difference(which: str, found: float, other: str, expected: float) -> str:
+    way = "below" if found < expected else "above"
+    apart = f"{100.0 * abs(found / expected - 1.0):.0f} %" if expected else "far"
+    return f"disagrees with the static model: {which} {apart} {way} its {other}"
 
 
 def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> None:
@@ -130,10 +148,7 @@ def read_table(path: Path, columns: tuple[str, ...]) -> Rows:
 
 def _numbers(path: Path, rows: Rows, columns: tuple[str, ...]) -> Floats:
     """The ``columns`` as finite numbers, (rows, columns); `ResultError` names one that is not."""
-    try:
-        values = np.array([[float(row[name]) for name in columns] for row in rows], dtype=float)
-    except ValueError:
-        values = np.array([[_number(row[name]) for name in columns] for row in rows], dtype=float)
+    values = np.array([[_number(row[name]) for name in columns] for row in rows], dtype=float)
     values = values.reshape(len(rows), len(columns))
     if not np.isfinite(values).all():
         row, column = np.argwhere(~np.isfinite(values))[0]
@@ -160,7 +175,7 @@ def read_nodes(path: Path, assembly: Assembly) -> tuple[Floats, np.ndarray]:
     nodes = assembly.nodes
     if len(rows) != len(nodes.area):
         raise ResultError(f"{path.name}: {len(rows)} nodes, but the case has {len(nodes.area)}")
-    values = _numbers(path, rows, (*POSITION, "area_m2", *STRESS, "bonded"))
+    values = _numbers(path, rows, NODE_COLUMNS[2:])
     names = np.array([assembly.faces[number].name for number in nodes.face])
     apart = np.abs(values[:, :3] - nodes.position).max(axis=1) > CLOSE * assembly.length
     other = np.abs(values[:, 3] - nodes.area) > CLOSE * nodes.area
@@ -189,12 +204,13 @@ def force_to_stress(nodes: Nodes, frames: Floats, force: Floats) -> Floats:
     return np.column_stack([stress[:, 0], shear])
 
 
-def _path(history: Path, rows: Rows) -> tuple[State, ...]:
-    """Loads and displacements of the equilibria on the way, from the ``rows`` of a history."""
-    if rows and "stage" in rows[0]:
-        rows = [row for row in rows if row["stage"] == "equilibrium"]
-    values = _numbers(history, rows, ("load_N", "displacement_m"))
-    return tuple(State(float(load), float(moved)) for load, moved in values)
+def read_history(folder: Path) -> tuple[Rows, tuple[State, ...]]:
+    """Rows of the history in ``folder``; loads and displacements of the equilibria among them."""
+    columns = "load_N", "displacement_m"
+    rows = read_table(folder / HISTORY, columns)
+    at_rest = [row for row in rows if row.get("stage", "equilibrium") == "equilibrium"]
+    values = _numbers(folder / HISTORY, at_rest, columns)
+    return rows, tuple(State(float(load), float(moved)) for load, moved in values)
 
 
 def _broken_at(history: Path, rows: Rows, assembly: Assembly) -> dict[int, float]:

@@ -8,7 +8,6 @@ import importlib
 import json
 import math
 import os
-import select
 import shutil
 import signal
 import subprocess
@@ -55,20 +54,13 @@ def engine_outcome(
     if folder is None:
         with tempfile.TemporaryDirectory() as name:
             return engine_outcome(engine, problem, numerics, title, Path(name), time_limit)
-    guide = guide_for(engine, problem, numerics)
-    run_engine(engine, problem, numerics, title, folder, time_limit, guide)
+    guide = run_engine(engine, problem, numerics, title, folder, time_limit)
     outcome = read_outcome(folder, problem.assembly)
     check_bracket(outcome, numerics.tolerance, numerics.first_increment * problem.loads.scale)
     joint = all(isinstance(piece, Cuboid) for piece in problem.assembly.pieces)
     if guide and joint:  # blocks of a structure may slide or rock at any load
-        check_first_failure(outcome, guide.first_event_N)
+        check_first_failure(outcome, guide.first_failure_N)
     return outcome
-
-
-def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:
-    """The start of the search of ``engine``; None if ``numerics`` or the engine want no guide."""
-    wanted = numerics.guided and "guided" in engine.reads
-    return guide_of(*problem) if wanted and not refusal(engine, *problem) else None
 
 
 def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
@@ -97,12 +89,12 @@ def run_engine(
     title: str,
     folder: Path,
     time_limit: float,
-    guide: Guide | None,
-) -> None:
-    """Search the peak of ``problem`` for at most ``time_limit`` s, from the ``guide`` if any.
+) -> Guide | None:
+    """Search the peak of ``problem`` for at most ``time_limit`` s; where the search started.
 
-    Leaves in ``folder`` the script with all that it needs, the engine's log, and its results.
-    Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
+    None if ``numerics`` or the engine want no guide, or the static model gives none. Leaves in
+    ``folder`` the script with all that it needs, the engine's log, and its results. Raises
+    `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
     if reason := refusal(engine, *problem):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
@@ -110,8 +102,10 @@ def run_engine(
         problem.loads.require_proportional()
     if not engine.elastic and (reason := _soft_contacts(problem, numerics)):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
+    guide = guide_of(*problem) if numerics.guided and "guided" in engine.reads else None
     write_script(engine, *problem, numerics, title, folder, guide)
     execute(engine, folder, time_limit)
+    return guide
 
 
 def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> str | None:
@@ -229,9 +223,9 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
             env=engine_environment(OMP_NUM_THREADS="1"),
         )
         try:
-            if not _ends_within(process.pid, time_limit):
-                raise EngineError(_with_tail(f"out of time after {time_limit:g} s", log))
-            status = process.wait()
+            status = process.wait(time_limit)
+        except subprocess.TimeoutExpired:
+            raise EngineError(_with_tail(f"out of time after {time_limit:g} s", log)) from None
         finally:
             _end(process)
     if status in (-signal.SIGKILL, KILLED_WITHIN):
@@ -242,15 +236,6 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
         raise EngineError(_with_tail(f"killed by signal {-status}", log))
     if status > 0:
         raise EngineError(_with_tail(f"ended with exit code {status}", log))
-
-
-def _ends_within(pid: int, time_limit: float) -> bool:
-    """Wait for a process, without the polling of `Popen.wait`, for at most ``time_limit`` s."""
-    handle = os.pidfd_open(pid)
-    try:
-        return bool(select.select([handle], [], [], time_limit)[0])
-    finally:
-        os.close(handle)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -151,7 +151,11 @@ class CalculixDeck:
                 other = known[face.above if face.below == index else face.below][axis]
                 places += [place for place in other if start <= place <= end]
             elif face.cohesive or face.material.friction > LEAST_FRICTION:
-                places += self._node_lines(number, axis, start, end)
+                nodes = self._coordinates(number, axis)
+                places += nodes
+                if self.assembly.layout == "centres":  # and the edges of their cells
+                    cells = range(len(nodes) + 1)
+                    places += [start + (end - start) * cell / len(nodes) for cell in cells]
         places = merged(places, near)
         if piece.fixed:
             return tuple(places)
@@ -162,18 +166,11 @@ class CalculixDeck:
             found += [one + (next_one - one) * part / parts for part in range(parts)]
         return (*found, places[-1])
 
-    def _node_lines(self, number: int, axis: int, low: float, high: float) -> list[float]:
-        """Coordinates of a face's contact nodes along an axis, and the edges of their cells."""
-        nodes = self.assembly.nodes
-        places = merged(
-            [n.position_m[axis] for n in nodes if n.face == number], CLOSE * (high - low)
-        )
-        if self.assembly.layout != "centres":
-            return places
-        return [
-            *places,
-            *(low + (high - low) * cell / len(places) for cell in range(len(places) + 1)),
-        ]
+    def _coordinates(self, number: int, axis: int) -> list[float]:
+        """Coordinates of a face's contact nodes along an axis."""
+        low, high = (corner[axis] for corner in self.rectangles[number])
+        every = [node.position_m[axis] for node in self.assembly.nodes if node.face == number]
+        return merged(every, CLOSE * (high - low))
 
     # --- loads -----------------------------------------------------------------------------------
     def _forces(self, permanent: bool) -> Forces:
@@ -255,9 +252,8 @@ class CalculixDeck:
         """Elements of a piece that lie under a face, on one of its sides."""
         grid = self.grids[index]
         spans = [grid.span(k, low_m[k], high_m[k]) for k in range(3) if k != axis]
-        spans.insert(axis, range(len(grid.lines[axis]) - 2, len(grid.lines[axis]) - 1))
-        if not high:
-            spans[axis] = range(1)
+        end = len(grid.lines[axis]) - 2 if high else 0
+        spans.insert(axis, range(end, end + 1))
         return [grid.element(steps) for steps in product(*spans)]
 
     def _step(self, forces: Forces, share: float) -> Iterator[str]:
@@ -292,10 +288,10 @@ class CalculixDeck:
         low, high = self.rectangles[node.face]
         axis, along = across(self.assembly.faces[node.face]), []
         for k in range(3):
-            same = [n.position_m[k] for n in self.assembly.nodes if n.face == node.face]
-            count = len(merged(same, CLOSE * (high[k] - low[k]))) if k != axis else 1
-            half = (high[k] - low[k]) / count / 2
-            shares = ((-half, 0.25), (0.0, 0.5), (half, 0.25)) if k != axis else ((0.0, 1.0),)
+            shares = [(0.0, 1.0)]
+            if k != axis:
+                half = (high[k] - low[k]) / len(self._coordinates(node.face, k)) / 2
+                shares = [(-half, 0.25), (0.0, 0.5), (half, 0.25)]
             along.append([(position[k] + shift, share) for shift, share in shares])
         return [
             ([place for place, _ in point], math.prod(share for _, share in point))

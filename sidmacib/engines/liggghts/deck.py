@@ -7,12 +7,12 @@ spring is cut, the spheres come into play.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from ..scripts.assembly import (
     GivenAssembly,
-    GivenMaterial,
     GivenPiece,
     GivenSearch,
     Vector,
@@ -265,28 +265,23 @@ class LiggghtsDeck:
         )
         yield "pair_coeff * *"
 
-        def stiffness(name: str) -> Callable[[Patch], float]:
-            return lambda patch: getattr(self._material(patch), name) * patch.area_m2
-
-        yield self._matrix("kn", stiffness("normal_stiffness"))
-        yield self._matrix("kt", stiffness("shear_stiffness"))
-        yield self._matrix("gamman_abs", lambda _: 0.0)
-        yield self._matrix("gammat_abs", lambda _: 0.0)
-        yield self._matrix("coefficientFriction", lambda patch: self._material(patch).friction)
+        laws = [(self.assembly.faces[each.face].material, each.area_m2) for each in self.patches]
+        yield self._matrix("kn", [law.normal_stiffness * area for law, area in laws])
+        yield self._matrix("kt", [law.shear_stiffness * area for law, area in laws])
+        yield self._matrix("gamman_abs", [0.0] * len(laws))
+        yield self._matrix("gammat_abs", [0.0] * len(laws))
+        yield self._matrix("coefficientFriction", [law.friction for law, _ in laws])
         if self.bond:
             yield "bond_style harmonic"
         for node, number in self.bond.items():
             # The energy is coefficient * length^2.
             yield f"bond_coeff {number} {self.spring_stiffness(node) / 2:.12g} 0.0"
 
-    def _material(self, patch: Patch) -> GivenMaterial:
-        return self.assembly.faces[patch.face].material
-
-    def _matrix(self, name: str, value_of: Callable[[Patch], float]) -> str:
+    def _matrix(self, name: str, of_patches: Sequence[float]) -> str:
         """A property of pairs of types, 0 but between the two sides of a patch."""
         values = [[0.0] * self.types for _ in range(self.types)]
-        for patch, (one, other) in zip(self.patches, self.patch_types, strict=True):
-            values[one - 1][other - 1] = values[other - 1][one - 1] = value_of(patch)
+        for value, (one, other) in zip(of_patches, self.patch_types, strict=True):
+            values[one - 1][other - 1] = values[other - 1][one - 1] = value
         numbers = " ".join(f"{v:.12g}" for row in values for v in row)
         return f"fix {name} all property/global {name} peratomtypepair {self.types} {numbers}"
 
@@ -379,7 +374,7 @@ class LiggghtsDeck:
         yield f"variable load_drag equal {self.drag!r}"  # 1/s
         yield from self.pull()
 
-    @property
+    @cached_property
     def place_variables(self) -> list[str]:
         """Names of the variables that hold the handles' positions, 18 of each free piece."""
         return [
@@ -389,7 +384,7 @@ class LiggghtsDeck:
             for axis in "xyz"
         ]
 
-    @property
+    @cached_property
     def force_variables(self) -> list[str]:
         """Names of the variables that hold the unbalanced force of each free piece."""
         return [f"f{n}_{axis}" for n in range(1, len(self.assembly.free) + 1) for axis in (1, 2, 3)]

@@ -16,19 +16,15 @@ def common_gravity(assembly: GivenAssembly) -> float:
 
 def common_acceleration(assembly: GivenAssembly) -> Vector:
     """The acceleration (m/s2 per newton of load) of all free pieces; empty if it differs."""
-    parts = {part.piece: part for part in assembly.loads}
-    if set(parts) != set(assembly.free):
+    each = {
+        part.piece: [value / assembly.pieces[part.piece].mass_kg for value in part.force]
+        for part in assembly.loads
+    }
+    if set(each) != set(assembly.free) or any(any(part.moment_m) for part in assembly.loads):
         return ()
-    first = parts[assembly.free[0]]
-    mass = assembly.pieces[first.piece].mass_kg
-    shared = [value / mass for value in first.force]
-    size = length(shared)
-    for part in parts.values():
-        mass = assembly.pieces[part.piece].mass_kg
-        apart = length(plus([value / mass for value in part.force], shared, -1.0))
-        if any(part.moment_m) or apart > 1e-12 * size:
-            return ()
-    return shared
+    shared = each[assembly.free[0]]
+    apart = max(length(plus(one, shared, -1.0)) for one in each.values())
+    return () if apart > 1e-12 * length(shared) else shared
 
 
 def beyond_gravity(piece: GivenPiece, gravity: float) -> Vector:

@@ -70,8 +70,6 @@ class LiggghtsModel:
         self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
         self.ranks, self.history = ranks, history
         self.slice = max(1, round(2 * self.search.period_steps))  # steps between two looks at it
-        self.place_variables = deck.place_variables
-        self.force_variables = deck.force_variables
         self.kept = State(0.0, 0, frozenset(), Surroundings(self.assembly))
         self._start(f"include {INPUT_SCRIPT}")
 
@@ -99,24 +97,6 @@ class LiggghtsModel:
         )
         self.engine.send(f"write_restart {RESTART}")
         self.engine.fresh = True
-        return self._raise(load)
-
-    def cut(self, nodes: Iterable[int]) -> EngineOutcome:
-        """Cut the springs of nodes and wait for the outcome."""
-        self.history.attempts += 1
-        return self._cut(tuple(sorted(nodes)))
-
-    def back(self) -> None:
-        """Return to where the load was raised last."""
-        self.engine.stop()
-        script = Path(INPUT_SCRIPT).read_text().splitlines()
-        again = [f"read_restart {RESTART}" if c.startswith("read_data") else c for c in script]
-        self._start(*again, *(self._uncoupled(node) for node in sorted(self.cut_nodes)))
-
-    def _uncoupled(self, node: int) -> str:
-        return f"bond_coeff {self.deck.bond[node]} 0.0 0.0"
-
-    def _raise(self, load: float) -> EngineOutcome:
         ramp = self.search.ramp(load - self.load, load)
         if self.engine.steps < self.deck.permanent_ramp:
             ramp = max(ramp, self.deck.permanent_ramp)
@@ -129,21 +109,14 @@ class LiggghtsModel:
         self._set_load(load)
         return self._waits()
 
-    def _set_load(self, load: float, rise: float = 0, ramp: int = 1, drag: float = 1) -> None:
-        """Have the load (N) rise from ``load`` by ``rise`` in ``ramp`` steps, against some drag."""
-        share = f"(0.5-0.5*cos(PI*(step-{self.engine.steps})/{ramp}))"
-        whole = f"{load!r}+({rise!r})*{share}" if rise else f"{load!r}"
-        self.engine.send(
-            f"variable load equal {whole}",
-            f"variable load_drag equal {drag * self.deck.drag!r}",
-            *self.deck.pull(None if rise or self.engine.steps < self.deck.permanent_ramp else load),
-        )
-
-    def _cut(self, nodes: Iterable[int]) -> EngineOutcome:
-        self.cut_nodes |= set(nodes)
+    def cut(self, nodes: Iterable[int]) -> EngineOutcome:
+        """Cut the springs of nodes and wait for the outcome, or until others must fail."""
+        self.history.attempts += 1
+        cut = sorted(nodes)
+        self.cut_nodes |= set(cut)
         self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
         commands = []
-        for node in nodes:
+        for node in cut:
             commands.append(self._uncoupled(node))
             types = self.deck.patch_types[self.deck.patch_of[node]]
             commands += [
@@ -153,6 +126,26 @@ class LiggghtsModel:
         self.engine.send(*commands)
         self.engine.fresh = True
         return self._waits(SWING)
+
+    def back(self) -> None:
+        """Return to where the load was raised last."""
+        self.engine.stop()
+        script = Path(INPUT_SCRIPT).read_text().splitlines()
+        again = [f"read_restart {RESTART}" if c.startswith("read_data") else c for c in script]
+        self._start(*again, *(self._uncoupled(node) for node in sorted(self.cut_nodes)))
+
+    def _uncoupled(self, node: int) -> str:
+        return f"bond_coeff {self.deck.bond[node]} 0.0 0.0"
+
+    def _set_load(self, load: float, rise: float = 0, ramp: int = 1, drag: float = 1) -> None:
+        """Have the load (N) rise from ``load`` by ``rise`` in ``ramp`` steps, against some drag."""
+        share = f"(0.5-0.5*cos(PI*(step-{self.engine.steps})/{ramp}))"
+        whole = f"{load!r}+({rise!r})*{share}" if rise else f"{load!r}"
+        self.engine.send(
+            f"variable load equal {whole}",
+            f"variable load_drag equal {drag * self.deck.drag!r}",
+            *self.deck.pull(None if rise or self.engine.steps < self.deck.permanent_ramp else load),
+        )
 
     def _waits(self, swing: float = math.inf) -> EngineOutcome:
         """Wait for the outcome.
@@ -215,7 +208,7 @@ class LiggghtsModel:
     # --- measurements ----------------------------------------------------------------------------
     def _placed(self) -> dict[int, Placement]:
         """Placement of each free piece."""
-        values, pieces = self.engine.values(self.place_variables), self.assembly.pieces
+        values, pieces = self.engine.values(self.deck.place_variables), self.assembly.pieces
         return {
             piece: Placement(
                 pieces[piece].centre_m, self.deck.reach[piece], values[18 * k : 18 * k + 18]
@@ -235,7 +228,7 @@ class LiggghtsModel:
 
     def unbalanced_ratio(self, load: float) -> float:
         """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
-        values = self.engine.values(self.force_variables)
+        values = self.engine.values(self.deck.force_variables)
         total = math.fsum(map(length, zip(values[::3], values[1::3], values[2::3], strict=True)))
         return total / len(self.assembly.free) / max(load, self.assembly.permanent_N)
 

@@ -78,10 +78,9 @@ class GivenPiece:
 class GivenFace:
     """A face; its unit normal points from the piece ``below`` to the piece ``above``, by index.
 
-    ``size_m``: of a rectangle along the axes, along x, y and z. A face of another outline or in
-    another direction has ``tangents``, two unit vectors; its size is along the normal and these.
-    ``edges_below``, ``edges_above``: of the two pieces' sides there, each a unit vector across it,
-    outwards, and its distance (m) from the origin in this direction.
+    ``tangents``: two unit vectors; none of a rectangle along the axes. ``edges_below``,
+    ``edges_above``: of the two pieces' sides there, each a unit vector across it, outwards, and its
+    distance (m) from the origin in this direction.
     """
 
     name: str
@@ -89,7 +88,6 @@ class GivenFace:
     below: int
     above: int
     normal: Vector
-    size_m: Vector
     material: GivenMaterial
     tangents: Sequence[Vector] = ()
     edges_below: Sequence[Vector] = ()
@@ -193,12 +191,9 @@ class GivenAssembly:
         """Whether no face is bonded."""
         return not any(face.cohesive for face in self.faces)
 
-    def plane_m(self, face: int) -> Vector:
-        """A point of the plane of a face, by index."""
-        return self._planes[face]
-
     @cached_property
-    def _planes(self) -> dict[int, Vector]:
+    def planes_m(self) -> dict[int, Vector]:
+        """A point of the plane of each face, by index."""
         return {node.face: node.position_m for node in self.nodes}
 
     @property
@@ -233,22 +228,17 @@ class GivenAssembly:
 
 @dataclass(frozen=True)
 class Guide:
-    """Loads of another model, in N: the first failure (None: no node fails) and the peak.
+    """Loads of another model, in N: the first failure, or the peak if no node fails, and the peak.
 
     It only sets where the search starts; the engine decides which loads fail.
     """
 
-    first_failure_N: float | None
+    first_failure_N: float
     peak_N: float
 
-    @property
-    def first_event_N(self) -> float:
-        """The load (N) at which the first of the two is expected."""
-        return self.peak_N if self.first_failure_N is None else self.first_failure_N
-
     def peak_after(self, first_failure: float) -> float:
-        """The peak (N) to be expected where the first node has failed at that load (N)."""
-        return self.peak_N / self.first_event_N * first_failure
+        """The peak (N) to be expected where the first node has failed at that load (N); 0: none."""
+        return self.peak_N / self.first_failure_N * first_failure if self.first_failure_N else 0.0
 
 
 @dataclass(frozen=True)
@@ -290,7 +280,7 @@ class GivenSearch:
         """
         if self.guide is None:
             return self.ramp_steps
-        largest = max(rise, whole, self.guide.first_event_N)
+        largest = max(rise, whole, self.guide.first_failure_N)
         share = 2.0 * max(0.0, rise) / largest if largest > 0.0 else 0.0
         part = min(1.0, max(LEAST_RAMP, math.sqrt(share)))
         return max(1, math.ceil(part * self.ramp_steps))

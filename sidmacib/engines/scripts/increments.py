@@ -109,7 +109,7 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
     outcome = model.raised(0.0, 0.0, (0.0, 1.0))
     require_standing(outcome, model.met)
     least, guide = search.first_increment_N, search.guide
-    expected = guide.first_event_N if guide else 0.0
+    expected = guide.first_failure_N if guide else 0.0
     bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)
     first_failure = 0.0 if model.breakable and model.broken() else None
     while True:

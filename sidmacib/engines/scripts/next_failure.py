@@ -117,7 +117,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
     outcome = model.raised(0.0)
     require_standing(outcome, model.met)
     tolerance, first = search.tolerance, search.first_increment_N
-    expected = search.guide.first_event_N if search.guide else 0.0
+    expected = search.guide.first_failure_N if search.guide else 0.0
     increment = HALF * expected or first
     first_failure, before, failed = None, list[tuple[float, float]](), math.inf
     used = model.utilisation()

@@ -108,10 +108,8 @@ class History:
         }
         inner = [number for number, face in enumerate(faces) if face.cohesive]
         for number in inner:
-            row[f"{faces[number].name}_shear_x_N"] = shear[number][0]
-            row[f"{faces[number].name}_shear_y_N"] = shear[number][1]
-            if faces[number].tangents:
-                row[f"{faces[number].name}_shear_z_N"] = shear[number][2]
+            for k, axis in enumerate("xyz" if faces[number].tangents else "xy"):
+                row[f"{faces[number].name}_shear_{axis}_N"] = shear[number][k]
         for number in inner:
             row[f"{faces[number].name}_broken_share"] = 1.0 - bonds[number] / count[number]
         self.rows.append(row)

@@ -83,7 +83,7 @@ def on_flat_side(
     there = moved(node.position_m, assembly.pieces[vertex].centre_m, motions[vertex])
     now = plus(node.position_m, there)
     place = built(now, assembly.pieces[flat].centre_m, motions[flat])
-    above = dot(plus(place, assembly.plane_m(node.face), -1.0), face.normal)
+    above = dot(plus(place, assembly.planes_m[node.face], -1.0), face.normal)
     return plus(place, face.normal, -above), above
 
 
