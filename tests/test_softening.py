@@ -37,6 +37,19 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
     return replace(block_on_ground(joint, Kind.INNER, mesh), failure=failure)
 
 
+@pytest.mark.parametrize("failure", [Failure.SOFTENING, Failure.DUCTILE])
+def test_bonds_with_next_to_no_tensile_strength_carry_as_much_as_those_with_none(
+    failure: Failure,
+) -> None:
+    """The first failure is then at next to no load, or before the load is raised."""
+    none, little = (
+        static_peak(*loaded(Joint(3, failure=failure, inner=inner), math.inf, 0.025))
+        for inner in (replace(fading(2.0), tensile_strength=strength) for strength in (0.0, 1.0))
+    )
+    assert none.first_failure_load == 0.0 < little.first_failure_load < 0.01
+    assert little.peak.load == pytest.approx(none.peak.load, rel=0.01)
+
+
 # --- how a bond softens --------------------------------------------------------------------------
 @settings(max_examples=15)
 @given(st.floats(0.5, 200.0), st.floats(0.0, 1.0))

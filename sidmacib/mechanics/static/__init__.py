@@ -32,6 +32,7 @@ from sidmacib.mechanics.solution import (
     Solver,
     StaticSolution,
 )
+from sidmacib.mechanics.springs import compliance
 from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
 from sidmacib.validation import require_positive
 
@@ -45,6 +46,7 @@ HISTORY, MOTION = 1e-3, 2.5e-4
 LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
 MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
 SOFTENING_INCREMENT = 0.02  # largest load increment of softening bonds, over the first failure
+SOFTENING_GROWTH = 1e-3  # over the load: at least so much, as long as none had to be halved
 LEAST_SOFTENING_INCREMENT = 1e-4  # over the load: precision of their peak
 MOST_DISPLACEMENT = 200.0  # over that of whole bonds, as in the engines; more is failure
 # Largest rotation (rad) of a piece behind the first failure, and over that at it, if this is more:
@@ -102,7 +104,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     """
     solver = solver_of(assembly, loads)
     if assembly.failure is not Failure.BRITTLE:
-        return _softened(solver, Softening.of(assembly), loads.scale)
+        return _softened(solver, assembly, loads)
     return peak_of(solver, loads.scale)
 
 
@@ -198,15 +200,18 @@ def _small_rotations(solver: Equilibria, first_failure: Equilibrium) -> SmallRot
     return SmallRotations(solver, max(MOST_ROTATION, TURNED * first_failure.rotation))
 
 
-def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolution:
+def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolution:
     """`static_peak` with softening or ductile bonds: the increment is halved if a load fails."""
+    softening, scale = Softening.of(assembly), loads.scale
     path, failing, _ = _to_first_failure(solver, scale)
     first_failure = path[-1].load
     if not failing.any():
         return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], scale))
     near = _small_rotations(solver, path[-1])
-    increment = SOFTENING_INCREMENT * first_failure
-    compliance = abs(path[-1].displacement) / first_failure
+    increment, halved = SOFTENING_INCREMENT * (first_failure or scale), False
+    # Bonds with next to no tensile strength fail before the load is raised, or soon after.
+    moved = abs(path[-1].displacement)
+    per_newton = moved / first_failure if first_failure else compliance(assembly, loads)
     while increment > LEAST_SOFTENING_INCREMENT * path[-1].load:
         low = path[-1]
         if low.load > MOST_LOAD * scale:
@@ -215,12 +220,14 @@ def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolut
         try:
             point = softened_equilibrium(near, softening, load, _guess(load, path, None), low.state)
         except NoEquilibriumError:
-            increment /= 2
+            increment, halved = increment / 2, True
             continue
-        if abs(point.displacement) > MOST_DISPLACEMENT * load * compliance:
-            increment /= 2
+        if abs(point.displacement) > MOST_DISPLACEMENT * load * per_newton:
+            increment, halved = increment / 2, True
         else:
             path.append(point)
+            if not halved:  # far above the first failure, too small an increment ends the path
+                increment = max(increment, SOFTENING_GROWTH * load)
     mode = _motion(solver, path[-1], scale) if near.exceeded else Mode.BONDS
     return StaticSolution(first_failure, tuple(path), mode, turns=near.exceeded)
 
