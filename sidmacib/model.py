@@ -1,15 +1,8 @@
 """Definition of a model: name, label, colour, abilities and refusals."""
 
-from __future__ import annotations
-
-import importlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum, auto
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from sidmacib.problem import Outcome, Problem
 
 
 class Ability(StrEnum):
@@ -26,8 +19,6 @@ class Ability(StrEnum):
     ELASTIC = auto()  # pieces
     JOINED = auto()  # columns without the compliance of a joint
     SHARED = auto()  # a load that does not act on the whole lateral face
-    STRESSES = auto()  # gives them at all nodes
-    DISPLACEMENTS = auto()  # gives the one that the load does work on
     CONDENSED = auto()  # contact points in place of locks
     FIRST_FAILURE = auto()  # gives the load at which the first node fails
 
@@ -70,29 +61,18 @@ class Model:
                 )
         return None
 
-    def run(self, problem: Problem) -> Outcome:
-        """The model's outcome for ``problem``; TypeError if it is not solved in this process."""
-        raise TypeError(f"{self.name} is not solved in this process")
-
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedModel(Model):
     """A model that is solved in this process, many cases in one batch.
 
-    ``module``: where its ``solve`` is, which is loaded when it is used; ``structures``: the same
-    for structures of blocks.
+    ``module``: where its ``solve`` is, which is loaded when it is used and turns a `Problem` into
+    an `Outcome`, or raises `sidmacib.errors.CapacityError`; ``structures``: the same for structures
+    of blocks.
     """
 
     module: str
     structures: str
-
-    def run(self, problem: Problem) -> Outcome:
-        """The model's outcome for ``problem``.
-
-        Raises `sidmacib.errors.CapacityError` where it has no answer.
-        """
-        found: Outcome = importlib.import_module(self.module).solve(problem)
-        return found
 
 
 class ReturnedModel(Model):

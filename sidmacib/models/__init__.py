@@ -10,27 +10,31 @@ from sidmacib.engines import ENGINES
 from sidmacib.model import Ability, ClosedForm, FirstFailureLaw, Model, ReturnedModel, SolvedModel
 
 REFERENCE_MODEL = "static"  # every engine is compared with it, on the same nodes
-_OF_THE_PIECES = {
-    *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES),
-    *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED, Ability.SHARED, Ability.BOND_FRICTION),
-}
-_OF_ANY_FAILURE = {
-    *(Ability.BRITTLE, Ability.SOFTENING, Ability.DUCTILE, Ability.TWO_STIFFNESSES),
-    *(Ability.FRICTION, Ability.RIGID, Ability.ELASTIC),
-}
+_OF_THE_PIECES = frozenset(
+    {
+        *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.BOND_FRICTION),
+        *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
+    }
+)
+_OF_ANY_FAILURE = frozenset(
+    {
+        *(Ability.BRITTLE, Ability.SOFTENING, Ability.DUCTILE, Ability.TWO_STIFFNESSES),
+        *(Ability.FRICTION, Ability.RIGID, Ability.ELASTIC),
+    }
+)
+_LAWS = (
+    ("law", "law", OCHRE),
+    ("safe", "safe rule", GREEN),
+    ("characteristic", "characteristic resistance", GREY),
+    ("design", "design resistance", BLACK),
+)
 _ALL: tuple[Model, ...] = (
     *ENGINES.values(),
     SolvedModel(
         name="static",
         label="static model",
         colour=BLUE,
-        abilities=frozenset(
-            {
-                *(*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE),
-                *(Ability.SOFTENING, Ability.DUCTILE),
-                *(Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
-            }
-        ),
+        abilities=_OF_THE_PIECES | _OF_ANY_FAILURE | {Ability.PROGRESSIVE, Ability.FIRST_FAILURE},
         module="sidmacib.models.static",
         structures="sidmacib.models.structure_static",
     ),
@@ -38,7 +42,7 @@ _ALL: tuple[Model, ...] = (
         name="limit",
         label="limit analysis",
         colour=SKY,
-        abilities=frozenset({*_OF_THE_PIECES, Ability.DUCTILE, Ability.CONDENSED}),
+        abilities=_OF_THE_PIECES | {Ability.DUCTILE, Ability.CONDENSED},
         module="sidmacib.models.limit",
         structures="sidmacib.models.structure_limit",
     ),
@@ -46,36 +50,19 @@ _ALL: tuple[Model, ...] = (
         name="3dec",
         label="3DEC",
         colour=BLACK,
-        abilities=frozenset(
-            {*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE} - {Ability.BOND_FRICTION}
-        ),
+        abilities=(_OF_THE_PIECES - {Ability.BOND_FRICTION})
+        | {Ability.FRICTION, Ability.PROGRESSIVE},
     ),
-    FirstFailureLaw(name="law", label="law", colour=OCHRE, abilities=frozenset(_OF_ANY_FAILURE)),
-    FirstFailureLaw(
-        name="safe",
-        label="safe rule",
-        colour=GREEN,
-        abilities=frozenset(_OF_ANY_FAILURE),
-    ),
-    FirstFailureLaw(
-        name="characteristic",
-        label="characteristic resistance",
-        colour=GREY,
-        abilities=frozenset(_OF_ANY_FAILURE),
-    ),
-    FirstFailureLaw(
-        name="design",
-        label="design resistance",
-        colour=BLACK,
-        abilities=frozenset(_OF_ANY_FAILURE),
+    *(
+        FirstFailureLaw(name=name, label=label, colour=colour, abilities=_OF_ANY_FAILURE)
+        for name, label, colour in _LAWS
     ),
     ClosedForm(
         name="sidmacib",
         label="SiDMACIB",
         colour=PURPLE,
-        abilities=frozenset(  # the friction of bonds is not counted
-            {*_OF_ANY_FAILURE, Ability.SHARED, Ability.JOINED, Ability.BOND_FRICTION}
-        ),
+        # The friction of bonds is not counted.
+        abilities=_OF_ANY_FAILURE | {Ability.SHARED, Ability.JOINED, Ability.BOND_FRICTION},
     ),
 )
 MODELS = {model.name: model for model in _ALL}

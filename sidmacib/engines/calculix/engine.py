@@ -23,7 +23,7 @@ CALCULIX = Engine(
         {
             *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
             *(Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
-            *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
+            Ability.FIRST_FAILURE,
         }
     ),
     template="calculix.py.j2",

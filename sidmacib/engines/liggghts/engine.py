@@ -29,7 +29,7 @@ LIGGGHTS = Engine(
         {
             *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE),
             *(Ability.RIGID, Ability.SHARED),
-            *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
+            Ability.FIRST_FAILURE,
         }
     ),
     template="liggghts.py.j2",

@@ -24,7 +24,7 @@ YADE = Engine(
         {
             *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
             *(Ability.PROGRESSIVE, Ability.RIGID, Ability.SHARED),
-            *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
+            Ability.FIRST_FAILURE,
         }
     ),
     template="yade.py.j2",
