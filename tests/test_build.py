@@ -17,6 +17,7 @@ from conftest import ROOT
 from scipy.spatial.transform import Rotation
 
 from sidmacib.build import (
+    NO_GAPS,
     Clearance,
     Found,
     Solid,
@@ -49,7 +50,7 @@ LARGER_BASE = {
 }
 
 
-def made(found: Found, clearance: Clearance | None = None) -> tuple[Solid, ...]:
+def made(found: Found, clearance: Clearance = NO_GAPS) -> tuple[Solid, ...]:
     blocks, rows, near = found
     return solids(blocks, rows, clearance, near)
 
@@ -106,12 +107,12 @@ def test_the_voussoirs_of_an_arch_have_the_volumes_of_its_pieces() -> None:
             (other,) = set(pair.split("-")) - {row.locks.first}
             owner = str(row.locks.first) if int(number) % 2 else other
         volumes[owner] += piece.mass / 2000.0
-    for each in solids(blocks, rows, None, near):
+    for each in solids(blocks, rows, near=near):
         assert each.volume == pytest.approx(volumes[each.name], rel=1e-6)
         assert each.mass == pytest.approx(2000.0 * each.volume)
 
 
-@pytest.mark.parametrize("clearance", [None, GAPS])
+@pytest.mark.parametrize("clearance", [NO_GAPS, GAPS])
 @pytest.mark.parametrize(
     "source",
     [
@@ -157,7 +158,7 @@ def test_a_lock_in_a_pocket_of_a_larger_block_has_the_gap_all_around() -> None:
 
 def test_clearance_takes_its_volume_from_the_flanks_alone() -> None:
     joint, c = Joint(5), 5e-4
-    before, after = (made(joint_blocks(joint), each) for each in (None, Clearance(c)))
+    before, after = (made(joint_blocks(joint), each) for each in (NO_GAPS, Clearance(c)))
     # Of four flanks each of two locks gives way by half of the clearance.
     for one, other in zip(before, after, strict=True):
         lost = 4 * joint.a * joint.h * c / 2

@@ -28,7 +28,7 @@ from sidmacib.structure.interfaces import NEAR, interfaces, mean_size
 from sidmacib.structure.locks import LockPart, Locks, Row, cut_rows
 from sidmacib.structure.overlaps import common_volume, solid_of
 from sidmacib.structure.structure import Pair, rows_of
-from sidmacib.validation import refused, require_not_negative
+from sidmacib.validation import refused
 
 GROWN = 1e-11  # over a block's size: so that parts which touch overlap; far above rounding
 SMOOTHED = 1e-9  # over a block's size: what parts that overlap leave at their edges
@@ -47,14 +47,13 @@ class Clearance:
 
     ``sides``: at its flanks and ends; two neighbouring locks give way by half of it each.
     ``heads``: between its head and the bottom of the hollow; 0, as the joint bears there.
-    ValueError unless both are 0 or more.
     """
 
     sides: float = 0.0
     heads: float = 0.0
 
-    def __post_init__(self) -> None:
-        require_not_negative(clearance=self.sides, head_clearance=self.heads)
+
+NO_GAPS = Clearance()
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +91,7 @@ class Solid:
 def solids(
     blocks: Sequence[Block],
     rows: Mapping[Pair, Row],
-    clearance: Clearance | None = None,
+    gaps: Clearance = NO_GAPS,
     near: float = NEAR,
 ) -> tuple[Solid, ...]:
     """Every one of ``blocks`` with the locks of ``rows``, condensed or not, in their order.
@@ -101,7 +100,7 @@ def solids(
     ValueError for blocks with locks that are not convex, for locks that a clearance leaves nothing
     of, or that cut a block into several, and for solids that overlap.
     """
-    gaps, near = clearance or Clearance(), near * mean_size(blocks)
+    near *= mean_size(blocks)
     left, parts = cut_rows(blocks, rows.values())
     locks: dict[str, list[Floats]] = {block.name: [] for block in blocks}
     growth = {block.name: GROWN * block.size for block in blocks}
@@ -207,10 +206,7 @@ def _united(number: int, block: Block, parts: Sequence[Floats]) -> Solid:
         whole = solid_of(block, middle, size)
     if len(whole.decompose()) != 1:
         raise ValueError(f"{block.name}: its locks must not cut it into several pieces")
-    mesh = whole.to_mesh64()
-    places, triangles = _welded(
-        np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
-    )
+    places, triangles = _welded(*surface(whole))
     decimals = DIGITS - math.ceil(math.log10(size))
     places = np.round(places * size + middle, decimals) + 0.0
     return Solid(number, block.name, places, triangles, block.density)
@@ -224,6 +220,12 @@ def simplified(whole: manifold3d.Manifold, by: float) -> manifold3d.Manifold:
     simple = whole.simplify(by)
     same = abs(simple.volume() - whole.volume()) <= by * whole.surface_area()
     return simple if same else whole
+
+
+def surface(of: manifold3d.Manifold) -> tuple[Floats, Integers]:
+    """The places, (V, 3), and the triangles, (T, 3), that a manifold is bounded by."""
+    mesh = of.to_mesh64()
+    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
 
 
 def _welded(places: Floats, triangles: Integers) -> tuple[Floats, Integers]:

@@ -7,7 +7,7 @@ import manifold3d
 import numpy as np
 import trimesh
 
-from sidmacib.build import Solid, simplified
+from sidmacib.build import Solid, simplified, surface
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.locks import Row
 from sidmacib.structure.structure import Pair
@@ -86,9 +86,8 @@ def distinct(values: Floats) -> list[float]:
 def smooth(solid: Solid) -> Solid:
     """``solid`` without steps far smaller than it."""
     size = float(np.ptp(solid.places, axis=0).max())
-    mesh = simplified(solid.manifold.as_original(), SMOOTH * size).to_mesh64()
-    places = np.asarray(mesh.vert_properties)[:, :3]
-    return replace(solid, places=places, triangles=np.asarray(mesh.tri_verts).astype(np.int64))
+    places, triangles = surface(simplified(solid.manifold.as_original(), SMOOTH * size))
+    return replace(solid, places=places, triangles=triangles)
 
 
 def edge_vertices(solid: Solid) -> Integers:
@@ -119,12 +118,8 @@ def view(solid: Solid, axes: Floats) -> View:
 def section(solid: Solid, place: float) -> View:
     """The half of ``solid`` beyond a cut across x at ``place`` (m), seen along x: y to the left."""
     axes = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
-    mesh = solid.manifold.trim_by_plane((1.0, 0.0, 0.0), place).to_mesh64()
-    beyond = replace(
-        solid,
-        places=np.asarray(mesh.vert_properties)[:, :3],
-        triangles=np.asarray(mesh.tri_verts).astype(np.int64),
-    )
+    places, triangles = surface(solid.manifold.trim_by_plane((1.0, 0.0, 0.0), place))
+    beyond = replace(solid, places=places, triangles=triangles)
     turned = solid.manifold.transform(np.column_stack([axes, np.zeros(3)]))
     outlines = turned.slice(-place).to_polygons()
     return replace(view(beyond, axes), cut=tuple(map(np.asarray, outlines)))
