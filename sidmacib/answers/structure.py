@@ -38,24 +38,31 @@ NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the pea
 
 
 @dataclass(frozen=True)
-class StaticAnswer:
-    """What the static model answers for a structure; N, or degrees where gravity turns.
+class FollowedPath:
+    """A path of equilibria to the peak on the cells of ``assembly``; N, or degrees of a tilt.
 
-    ``assembly``: on the cells that all of it belongs to, but ``given``, the failures on the cells
-    of the file. ``path``: equilibria to the peak. ``mode``: how it ends; ``mechanism``: how the
-    blocks then move where gravity turns, see `StaticTilt`. ``spread``: of the peaks; None
-    where the lowest was not sought.
+    ``mode``: how it ends; ``mechanism``: how the blocks then move where gravity turns, see
+    `StaticTilt`. ``spread``: of the peaks; None where the lowest was not sought.
     """
 
     assembly: Assembly
     failures: Failures
-    given: Failures
-    mesh_errors: MeshErrors
-    counts: Counts
     path: tuple[Equilibrium, ...]
     mode: str
     mechanism: Floats | None = None
     spread: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticAnswer(FollowedPath):
+    """What the static model answers for a structure: the path on the smallest cells.
+
+    ``given``: the failures on the cells of the file.
+    """
+
+    given: Failures
+    mesh_errors: MeshErrors
+    counts: Counts
 
     @property
     def load(self) -> float:
@@ -90,18 +97,6 @@ def bond_fails(failures: Failures) -> bool:
     return failures.peak > failures.first * (1.0 + 2.0 * LEAST_INCREMENT)
 
 
-@dataclass(frozen=True)
-class _Followed:
-    """A path to the peak on some cells; ``spread``: as in `StaticAnswer`."""
-
-    assembly: Assembly
-    failures: Failures
-    path: tuple[Equilibrium, ...]
-    mode: str
-    mechanism: Floats | None = None
-    spread: float | None = None
-
-
 def static_answer(
     problem: Problem, limit: "LimitState | CapacityError | None" = None
 ) -> StaticAnswer:
@@ -131,7 +126,7 @@ def _answered(problem: Problem) -> StaticAnswer:
     return _answer(found, Counts(peak=not why, why=why or AGREE))
 
 
-def _doubt(problem: Problem, found: dict[int, _Followed]) -> str:
+def _doubt(problem: Problem, found: dict[int, FollowedPath]) -> str:
     """Why the peak does not count though a bond fails before it, or nothing.
 
     A path on a third mesh is added to those that are ``found`` if it may decide.
@@ -148,7 +143,7 @@ def _doubt(problem: Problem, found: dict[int, _Followed]) -> str:
     return _unsettled(found)
 
 
-def _unsettled(found: Mapping[int, _Followed]) -> str:
+def _unsettled(found: Mapping[int, FollowedPath]) -> str:
     """That the peak has not converged, or nothing."""
     error = _mesh_errors(found).peak
     if error is None:
@@ -158,13 +153,13 @@ def _unsettled(found: Mapping[int, _Followed]) -> str:
     return ""
 
 
-def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> _Followed:
+def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> FollowedPath:
     """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
     try:
         if loads.axis is not None:
             tilt = static_tilt(assembly, Tilt.of(loads))
             failures = Failures(float(tilt.first_failure), float(tilt.angle))
-            return _Followed(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
+            return FollowedPath(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
         found = (lowest_peak if lowest else static_peak)(assembly, loads)
     except NoEquilibriumError:
         raise NoEquilibriumError(DOES_NOT_STAND) from None
@@ -176,24 +171,14 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> _Fol
         raise CapacityError(f"{error}; {up_to}") from None
     failures = Failures(float(found.first_failure_load), float(found.peak.load))
     spread = found.spread if lowest else None
-    return _Followed(assembly, failures, found.path, str(found.mode), spread=spread)
+    return FollowedPath(assembly, failures, found.path, str(found.mode), spread=spread)
 
 
-def _mesh_errors(found: Mapping[int, _Followed]) -> MeshErrors:
+def _mesh_errors(found: Mapping[int, FollowedPath]) -> MeshErrors:
     failures = {divided: each.failures for divided, each in found.items()}
     return structure_mesh_errors(found[1].assembly, failures)
 
 
-def _answer(found: Mapping[int, _Followed], counts: Counts) -> StaticAnswer:
-    finest = found[max(found)]
-    return StaticAnswer(
-        finest.assembly,
-        finest.failures,
-        found[1].failures,
-        _mesh_errors(found),
-        counts,
-        finest.path,
-        finest.mode,
-        finest.mechanism,
-        finest.spread,
-    )
+def _answer(found: Mapping[int, FollowedPath], counts: Counts) -> StaticAnswer:
+    finest, errors = vars(found[max(found)]), _mesh_errors(found)
+    return StaticAnswer(**finest, given=found[1].failures, mesh_errors=errors, counts=counts)

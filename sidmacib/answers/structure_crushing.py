@@ -39,7 +39,7 @@ PRECISION = 1e-6  # of where crushing begins between two equilibria
 def with_crushing(
     problem: Problem,
     without: Callable[[Problem], StaticAnswer],
-    limit: LimitState | CapacityError | None = None,
+    limit: LimitState | CapacityError | None,
 ) -> StaticAnswer:
     """The answer for blocks that can be crushed; ``without``: gives that for blocks that cannot.
 
@@ -84,8 +84,12 @@ def _as_far_as(problem: Problem, most: float, error: UnboundedError) -> StaticAn
         raise CapacityError(f"{error} without crushing; limit analysis: {most:.4g} degrees with it")
     found = peak_of(_UpTo(solver_of(assembly, loads), BEYOND * most), loads.scale)
     failures = Failures(found.first_failure_load, found.peak.load)
-    counts = without_other_meshes(failures)
-    return StaticAnswer(assembly, failures, failures, UNKNOWN, counts, found.path, found.mode)
+    return StaticAnswer(
+        *(assembly, failures, found.path, found.mode),
+        given=failures,
+        mesh_errors=UNKNOWN,
+        counts=without_other_meshes(failures),
+    )
 
 
 class _UpTo:
