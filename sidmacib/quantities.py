@@ -89,13 +89,7 @@ MEASURED_IN = {quantity.unit: quantity for quantity in QUANTITIES}
 _OF = {unit: quantity for quantity in QUANTITIES for unit in quantity.units}
 
 
-def with_unit(text: str) -> tuple[str, str] | None:
-    """The number and the unit, written plainly, that ``text`` spells; None without both."""
-    found = _SPELLED.fullmatch(text.strip())
-    return (found[1], found[2].translate(_PLAIN)) if found else None
-
-
-def size_of(text: str, spelled: str, unit: str) -> float:
+def _size_of(text: str, spelled: str, unit: str) -> float:
     """How many of ``unit``, in which plain numbers are, the unit ``spelled`` in ``text`` is.
 
     ``unit`` is empty for numbers that have none. ValueError that says what is allowed.
@@ -232,10 +226,10 @@ class Number(Read):
 
     def _spelled(self, text: str) -> float | None:
         """The number in ``text``, in `unit`; ValueError for a unit of something else."""
-        number, found = number_in(text), with_unit(text)
-        if number is not None or found is None or (number := number_in(found[0])) is None:
+        number, found = number_in(text), _SPELLED.fullmatch(text.strip())
+        if number is not None or found is None or (number := number_in(found[1])) is None:
             return number
-        size = size_of(text.strip(), found[1], self.unit)
+        size = _size_of(found[0], plain_unit(found[2]), self.unit)
         return float(f"{number * size:.15g}")  # 70 mm are 0.07 m
 
     def require(self, name: str, value: Any) -> None:

@@ -132,16 +132,13 @@ def _check(kind: Any, or_none: str = "") -> Check | None:
         return lambda name, value: require_member(kind, **{name: value})
     if isinstance(kind, type) and is_dataclass(kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        return _instance(kind, f"{article} {kind.__name__}{or_none}")
+
+        def check(name: str, value: Any) -> None:
+            if not isinstance(value, kind):
+                raise refused(name, value, f"{article} {kind.__name__}{or_none}")
+
+        return check
     return None
-
-
-def _instance(kind: type, allowed: str) -> Check:
-    def check(name: str, value: Any) -> None:
-        if not isinstance(value, kind):
-            raise refused(name, value, allowed)
-
-    return check
 
 
 def _made(kind: Any, value: Any) -> Any:
