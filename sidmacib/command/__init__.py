@@ -1,4 +1,4 @@
-"""The command `multilock`: answers for one joint, in a terminal."""
+"""The command `multilock`: answers for joints and structures, in a terminal."""
 
 import os
 import signal

@@ -16,6 +16,7 @@ from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:
     from sidmacib.problem import Failures
+    from sidmacib.rule import LawCapacity
     from sidmacib.rule.reliability import Reliability
 
 Row = dict[str, Any]
@@ -41,18 +42,29 @@ def usual_models(joint: Joint) -> tuple[str, ...]:
     return ("safe", "law", "static") if joint.elastic is None else ("safe", "law")
 
 
+def _by_rule(
+    rule: Callable[..., "LawCapacity"],
+    margin: str,
+    failure: str,
+    joint: Joint,
+    direction: Direction,
+    push: Push,
+) -> Answer:
+    """The answer of a rule with its ``margin``, and the ``failure`` unless the joint moves away."""
+    found = rule(joint, direction, push=push)
+    return Answer(found.load, "; ".join(filter(None, (margin, found.moves or failure))))
+
+
 def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.rule import law
 
-    found = law(joint, direction, push)
-    return Answer(found.load, found.moves or "first failure")
+    return _by_rule(law, "", "first failure", joint, direction, push)
 
 
 def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.rule import safe
 
-    found = safe(joint, direction, push)
-    return Answer(found.load, "; ".join(filter(None, ("margin for the model", found.moves))))
+    return _by_rule(safe, "margin for the model", "", joint, direction, push)
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
@@ -127,23 +139,6 @@ def _static_failures(joint: Joint, loading: Loading, first_only: bool) -> "Failu
     return Failures(float(found.solution.first_failure_load), found.load)
 
 
-def _characteristic(
-    joint: Joint, direction: Direction, push: Push, reliability: "Reliability"
-) -> Answer:
-    from sidmacib.rule.reliability import characteristic
-
-    found = characteristic(joint, direction, reliability.variation, push).capacity
-    return Answer(found.load, found.moves or "5 % fractile of the first failure")
-
-
-def _design(joint: Joint, direction: Direction, push: Push, reliability: "Reliability") -> Answer:
-    from sidmacib.rule.reliability import design_resistance
-
-    found = design_resistance(joint, direction, reliability, push)
-    note = f"gamma_M {reliability.partial_factor:g} and the safe rule's margin"
-    return Answer(found.load, "; ".join(filter(None, (note, found.moves))))
-
-
 Model = Callable[[Joint, Direction, Push], Answer]
 ERRORS = (CapacityError, ValueError, ArithmeticError)  # of models that have no answer
 MODELS: dict[str, Model] = {
@@ -158,12 +153,14 @@ MODELS: dict[str, Model] = {
 
 def resistances(reliability: "Reliability") -> dict[str, Model]:
     """Characteristic and design resistance, of those that ``reliability`` asks for."""
-    found: dict[str, Model] = {}
-    if reliability.variation:
-        found["characteristic"] = partial(_characteristic, reliability=reliability)
-    if reliability.partial_factor != 1.0:
-        found["design"] = partial(_design, reliability=reliability)
-    return found
+    from sidmacib.rule.reliability import resistances as asked
+
+    words = {
+        "characteristic": ("", "5 % fractile of the first failure"),
+        "design": (f"gamma_M {reliability.partial_factor:g} and the safe rule's margin", ""),
+    }
+    rules = asked(reliability).items()
+    return {name: partial(_by_rule, rule, *words[name]) for name, rule in rules}
 
 
 def meaning(reliability: "Reliability") -> str:
@@ -181,22 +178,20 @@ def meaning(reliability: "Reliability") -> str:
 def capacity_rows(
     joint: Joint,
     ratios: Sequence[float],
-    models: Sequence[str],
+    models: Mapping[str, Model],
     push: Push,
     progress: Callable[[str], object] = str,
-    others: Mapping[str, Model] = {},
 ) -> list[Row]:
     """Shear and torque that each model gives, in each direction e / a.
 
     A model that refuses the joint has a note in place of a load. ``progress`` is told what is
-    computed next. ``others``: models behind those of `MODELS`, by name.
+    computed next.
     """
     rows: list[Row] = []
-    answering = {**{name: MODELS[name] for name in models}, **others}
     for ratio in ratios:
         direction = Direction(ratio)
-        for name, model in answering.items():
-            place = f"{len(rows) + 1} of {len(ratios) * len(answering)}"
+        for name, model in models.items():
+            place = f"{len(rows) + 1} of {len(ratios) * len(models)}"
             progress(f"{place}: {name}, e/a = {ratio:g}")
             try:
                 answer = model(joint, direction, push)
@@ -254,7 +249,7 @@ def _without_noise(force: float, joint: Joint) -> float:
 
 
 def effect_rows(
-    joint: Joint, ratio: float, push: Push, progress: Callable[[str], object] = str
+    joint: Joint, ratio: float, push: Push, progress: Callable[[str], object]
 ) -> tuple[str, list[Row]]:
     """The first failure in words, and how it depends on each parameter, largest effects first.
 
@@ -307,7 +302,7 @@ def law_rows(joint: Joint, push: Push) -> list[Row]:
             "pairs over which lock forces fall to 1 / 2.718",
         ),
     ]
-    for row in capacity_rows(joint, [0.0], ["law", "safe"], push):
+    for row in capacity_rows(joint, [0.0], {"law": _law, "safe": _safe}, push):
         load = row["V (N)"]
         working = None if load is None else load / joint.T0
         results.append((f"effective locks, {row['model']}", working, row["note"]))

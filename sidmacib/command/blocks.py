@@ -13,7 +13,7 @@ from sidmacib.command.options import (
     PAGE,
     PICTURE,
     WRITTEN,
-    Once,
+    Command,
     Written,
     format_option,
     note_option,
@@ -29,7 +29,7 @@ from sidmacib.quantities import Number
 GAP = Number(at_least=0, unit="m")
 
 
-@click.command(cls=Once)
+@click.command(cls=Command)
 @click.argument("file", type=EXISTING)
 @click.option(
     "--interfaces",
@@ -147,7 +147,7 @@ def _require_plotly() -> None:
         raise click.UsageError(f"--report: {error}") from None
 
 
-@click.command(cls=Once)
+@click.command(cls=Command)
 @click.argument("file", type=EXISTING)
 @click.option(
     "--output",
@@ -188,7 +188,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
         sys.exit(1)
 
 
-@click.command(cls=Once)
+@click.command(cls=Command)
 @click.argument("source", metavar="[FILE]", required=False, type=EXISTING)
 @joint_options
 @click.option(

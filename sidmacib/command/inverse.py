@@ -32,7 +32,6 @@ from sidmacib.rule.inverse import (
 from sidmacib.rule.reliability import DESIGN_VALUES, Reliability
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Values = dict[str, tuple[float, ...]]
@@ -41,9 +40,7 @@ ROUND = 12  # digits of a size after the decimal point: of a step that is no bin
 GREY = "0.7"
 
 
-def demand_of(
-    shear: float, torque: float, ratio: float | None, reliability: Reliability = DESIGN_VALUES
-) -> Demand:
+def demand_of(shear: float, torque: float, ratio: float | None, reliability: Reliability) -> Demand:
     """The demand; `click.UsageError` if there is none, or if it contradicts itself."""
     if not (shear or torque or ratio):
         raise click.UsageError("Give the load: -V, -M, or -V with -e.")
@@ -127,7 +124,7 @@ def candidate_rows(
     candidates: Sequence[Candidate],
     values: Mapping[str, Sequence[float]],
     prices: Prices,
-    reliability: Reliability = DESIGN_VALUES,
+    reliability: Reliability,
 ) -> list[Row]:
     """Varied parameters, capacity and cost of each joint."""
     units = {"locks": "locks", **{name: f"{name} (m)" for name in SIZES[1:]}}
@@ -148,22 +145,20 @@ def candidate_rows(
     return rows
 
 
-def note_of(each: Candidate, values: Mapping[str, Sequence[float]] = {}) -> str:
+def note_of(each: Candidate, values: Mapping[str, Sequence[float]]) -> str:
     """Whether a joint meets the demand, or why not."""
     if each.load is None:
         return each.reason
+    words = _answer(each)
     if not each.meets:
         most = each.shear or 0.0, each.torque or 0.0
-        words = "too weak"
         return words if each.exact else f"{words}: at most {most[0]:.4g} N, {most[1]:.4g} N m"
     ends = [
         name
         for name, among in values.items()
         if len(among) > 2 and getattr(each.joint, name) in (min(among), max(among))
     ]
-    return (
-        f"strong enough; at the limit of the range: {', '.join(ends)}" if ends else "strong enough"
-    )
+    return f"{words}; at the limit of the range: {', '.join(ends)}" if ends else words
 
 
 def why_none(tried: Sequence[Candidate]) -> str:
@@ -188,6 +183,12 @@ def _all_of(tried: Sequence[Candidate]) -> str:
     return f"none of {len(tried)} joints"
 
 
+def _answer(each: Candidate) -> str:
+    if each.meets:
+        return "strong enough"
+    return "refused" if each.load is None else "too weak"
+
+
 def chart(
     found: Candidate | None, tried: Sequence[Candidate], values: Mapping[str, Sequence[float]]
 ) -> "Figure":
@@ -201,23 +202,26 @@ def chart(
     labels = [each if each == "locks" else f"{each} (m)" for each in names]
     upwards = labels[1] if y else "required load / safe load"
     figure, axes = plot("by the safe rule", labels[0], upwards, height=4.5)
+
+    def place(each: Candidate) -> tuple[float, float]:
+        return getattr(each.joint, x), getattr(each.joint, y) if y else each.usage or 0.0
+
     points: dict[tuple[float, float], Candidate] = {}
     for each in tried:
-        height = getattr(each.joint, y) if y else (each.usage or 0.0)
-        place = getattr(each.joint, x), height
-        if place not in points or (each.usage or math.inf) < (points[place].usage or math.inf):
-            points[place] = each
-    _scatter(
-        axes, {place: each for place, each in points.items() if each.meets}, "strong enough", GREEN
-    )
-    weak = {place: each for place, each in points.items() if each.load and not each.meets}
-    _scatter(axes, weak, "too weak", ORANGE, hollow=True)
-    _scatter(axes, {p: each for p, each in points.items() if not each.load}, "refused", GREY, "x")
+        before = points.setdefault(place(each), each)
+        if (each.usage or math.inf) < (before.usage or math.inf):
+            points[place(each)] = each
+    styles = {
+        "strong enough": {"color": GREEN},
+        "too weak": {"facecolors": "none", "edgecolors": ORANGE},
+        "refused": {"color": GREY, "marker": "x"},
+    }
+    for label, style in styles.items():
+        if places := [at for at, each in points.items() if label == _answer(each)]:
+            axes.scatter(*zip(*places, strict=True), label=label, **style)
     if found is not None:
-        height = getattr(found.joint, y) if y else found.usage
-        label = "cheapest" if values else "fewest locks"
-        ring = {"s": 160, "facecolors": "none", "edgecolors": "black", "label": label}
-        axes.scatter([getattr(found.joint, x)], [height], **ring)
+        ring = {"s": 160, "facecolors": "none", "edgecolors": "black"}
+        axes.scatter(*place(found), label="cheapest" if values else "fewest locks", **ring)
     for name, axis in ((x, axes.xaxis), (y, axes.yaxis)):
         if name == "locks":
             axis.get_major_locator().set_params(integer=True)
@@ -225,17 +229,3 @@ def chart(
         axes.axhline(1.0, color=GREY, linewidth=1)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
-
-
-def _scatter(
-    axes: "Axes",
-    points: Mapping[tuple[float, float], Candidate],
-    label: str,
-    colour: str,
-    marker: str = "o",
-    hollow: bool = False,
-) -> None:
-    if points:
-        x, y = zip(*points, strict=True)
-        face = {"facecolors": "none", "edgecolors": colour} if hollow else {"color": colour}
-        axes.scatter(x, y, marker=marker, label=label, **face)

@@ -6,6 +6,16 @@ from typing import Any
 
 import click
 
+from sidmacib.command.answers import (
+    MODELS,
+    capacity_rows,
+    effect_rows,
+    law_rows,
+    meaning,
+    resistances,
+    usual_models,
+    weight_rows,
+)
 from sidmacib.command.blocks import assembly, build, design
 from sidmacib.command.joints import (
     RATIO,
@@ -14,7 +24,14 @@ from sidmacib.command.joints import (
     quantity,
     reliability_options,
 )
-from sidmacib.command.options import LOAD, Once, format_option, grouped, note_option, picture_option
+from sidmacib.command.options import (
+    LOAD,
+    Command,
+    format_option,
+    grouped,
+    note_option,
+    picture_option,
+)
 from sidmacib.command.output import (
     bars,
     curves,
@@ -26,12 +43,10 @@ from sidmacib.command.output import (
     text_of,
 )
 from sidmacib.drawing import VM_RATIOS
-from sidmacib.engines import ENGINES
 from sidmacib.joint import Direction
 from sidmacib.joint.loading import Push
 from sidmacib.quantities import Number
 
-MODELS = ("safe", "law", "static", "limit", "sidmacib", *ENGINES)
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
 FORCE, TORQUE = Number(at_least=0, unit="N"), Number(unit="N m")
@@ -49,7 +64,7 @@ _models = click.option(
     "--model",
     "models",
     multiple=True,
-    type=click.Choice(MODELS),
+    type=click.Choice([*MODELS]),
     help="Model to use; may be repeated.",
 )
 
@@ -80,7 +95,7 @@ fish_source).
 class Commands(click.Group):
     """Commands of that kind."""
 
-    command_class = Once
+    command_class = Command
 
 
 @click.group(cls=Commands, context_settings=CONTEXT, help=HELP)
@@ -132,17 +147,16 @@ def capacity(
     If the strengths are means, --scatter adds the characteristic value, which 5 % of joints do not
     reach; --gamma-m adds the design resistance. The last line says what strengths are taken for.
     """
-    from sidmacib.command.answers import capacity_rows, meaning, resistances, usual_models
     from sidmacib.rule.reliability import Reliability
 
     joint, reliability = joint_of(flags), Reliability(variation or 0.0, factor or 1.0)
-    asked = list(dict.fromkeys(models or usual_models(joint)))
+    asked = {name: MODELS[name] for name in models or usual_models(joint)}
+    asked |= resistances(reliability)
     directions = list(dict.fromkeys(ratios))
     if note is not None and len(directions) > 1:
         raise click.UsageError("--note: needs one direction, -e once")
     with status_line() as progress:
-        others = resistances(reliability)
-        rows = capacity_rows(joint, directions, asked, Push(push), progress, others)
+        rows = capacity_rows(joint, directions, asked, Push(push), progress)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint), joined=False), picture)
     if note is not None:
@@ -164,10 +178,8 @@ def envelope(
     models: Sequence[str], form: str, picture: Path | None, push: str, **flags: Any
 ) -> None:
     """Compute the V-M curve from pure shear to pure torsion."""
-    from sidmacib.command.answers import capacity_rows
-
     joint = joint_of(flags)
-    asked = list(dict.fromkeys(models or ("safe", "law")))
+    asked = {name: MODELS[name] for name in models or ("safe", "law")}
     with status_line() as progress:
         rows = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress)
     if picture is not None:
@@ -183,8 +195,6 @@ def envelope(
 @picture_option
 def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
     """Compute the load of each lock / its strength (static model)."""
-    from sidmacib.command.answers import weight_rows
-
     joint = joint_of(flags)
     with refused_in_one_line():
         rows = weight_rows(joint, ratio, Push(push))
@@ -204,8 +214,6 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     of one parameter at constant e / a, and the derivative of V; in pure torsion those of M. Largest
     effects come first. A note says why a parameter has no derivative.
     """
-    from sidmacib.command.answers import effect_rows
-
     joint = joint_of(flags)
     with refused_in_one_line(), status_line() as progress:
         words, rows = effect_rows(joint, ratio, Push(push), progress)
@@ -222,8 +230,6 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
 @format_option
 def law(form: str, push: str, **flags: Any) -> None:
     """Compute the effective number of locks in pure shear."""
-    from sidmacib.command.answers import law_rows
-
     joint = joint_of(flags)
     with refused_in_one_line():
         click.echo(text_of(law_rows(joint, Push(push)), form))
@@ -285,7 +291,6 @@ def inverse(
     """
     with refused_in_one_line():
         from sidmacib.command import inverse as answers
-        from sidmacib.command.answers import meaning
         from sidmacib.rule.reliability import Reliability
 
         reliability = Reliability(variation or 0.0, factor or 1.0)

@@ -27,8 +27,11 @@ def grouped(group: str, *names: Any, **more: Any) -> Callable[..., Any]:
     return click.option(*names, cls=Grouped, group=group, **more)
 
 
-class GroupedCommand(click.Command):
-    """A command whose help has its options under their headings."""
+class Command(click.Command):
+    """A command whose help has its options under their headings, each to be given once.
+
+    Of an option that is given twice click would take the last.
+    """
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options, group by group."""
@@ -41,10 +44,6 @@ class GroupedCommand(click.Command):
             if records:
                 with formatter.section(group):
                     formatter.write_dl(records)
-
-
-class Once(GroupedCommand):
-    """A command that refuses an option given twice, of which click would take the last."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """As click does; `click.UsageError` for an option that is there twice."""

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sidmacib.command import FAULT
+from sidmacib.command.answers import ERRORS, Row, reason
 from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve, write_figure
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Joint
 from sidmacib.models import MODELS
 from sidmacib.quantities import MEASURED_IN, four_digits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from sidmacib.command.answers import Row
-    from sidmacib.joint import Joint
 
 FORMATS = ("table", "json", "csv")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
@@ -39,14 +39,14 @@ _MEASURED = re.compile(
 BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 
-def text_of(rows: "Sequence[Row]", form: str) -> str:
+def text_of(rows: Sequence[Row], form: str) -> str:
     """``rows`` in one of `FORMATS`, in the units that were asked for; JSON and CSV have all digits.
 
     A column in m, N and so on has its unit at the end of its name, in brackets.
     """
     rows = in_asked_units(rows)
     if form == "json":
-        return json.dumps(list(rows), indent=1)
+        return json.dumps(rows, indent=1)
     head = list(rows[0]) if rows else []
     if form == "csv":
         stream = io.StringIO()
@@ -67,11 +67,9 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
     return "\n".join(lines)
 
 
-def in_asked_units(rows: "Sequence[Row]") -> "Sequence[Row]":
+def in_asked_units(rows: Sequence[Row]) -> list[Row]:
     """``rows`` in the units that were asked for, their notes too."""
     asked = _asked_units()
-    if not asked:
-        return rows
     return [dict(_in_units(key, value, asked) for key, value in row.items()) for row in rows]
 
 
@@ -136,9 +134,6 @@ def refused_in_one_line() -> Iterator[None]:
 
     The exit status is 1 where a model has no answer, 2 where what was given is at fault.
     """
-    from sidmacib.command.answers import ERRORS, reason
-    from sidmacib.errors import CapacityError
-
     try:
         yield
     except ERRORS as error:
@@ -198,7 +193,7 @@ def plot(title: str, x: str, y: str, height: float = 4.0) -> "tuple[Figure, Axes
     return figure, axes
 
 
-def bars(rows: "Sequence[Row]", title: str) -> "Figure":
+def bars(rows: Sequence[Row], title: str) -> "Figure":
     """The weight of each lock."""
     figure, axes = plot(title, "lock", "weight")
     for block, colour in BLOCKS.items():
@@ -211,7 +206,7 @@ def bars(rows: "Sequence[Row]", title: str) -> "Figure":
     return figure
 
 
-def curves(rows: "Sequence[Row]", title: str, note: str = "", *, joined: bool = True) -> "Figure":
+def curves(rows: Sequence[Row], title: str, note: str, *, joined: bool = True) -> "Figure":
     """V-M curves of the models in ``rows``, with a ``note`` below them.
 
     Points alone unless ``joined``: a line between few directions may lie above what is carried.
@@ -232,18 +227,17 @@ def curves(rows: "Sequence[Row]", title: str, note: str = "", *, joined: bool = 
     axes.set_axisbelow(True)
     if axes.lines:
         axes.legend()
-    if note:
-        figure.supxlabel(note, x=0.02, ha="left", fontsize=8)
+    figure.supxlabel(note, x=0.02, ha="left", fontsize=8)
     return figure
 
 
-def note_of(joint: "Joint") -> str:
+def note_of(joint: Joint) -> str:
     """Sizes of a joint whose capacities are drawn, and which of the picture is computed."""
     sizes = ", ".join(f"{name} = {1e3 * getattr(joint, name):g}" for name in ("a", "b", "h", "H"))
     return f"{sizes} mm; T0 = {joint.T0:.4g} N; M = V e.\nOnly the points are computed."
 
 
-def require_answer(rows: Sequence[dict[str, Any]]) -> None:
+def require_answer(rows: Sequence[Row]) -> None:
     """End with status 1 if no model has a number."""
     if all(row[key] is None for row in rows for key in row.keys() - {"e/a", "model", "note"}):
         sys.exit(1)
