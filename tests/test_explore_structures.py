@@ -3,6 +3,7 @@
 from base64 import b64encode
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,8 +18,9 @@ from analysis.explore.examples import (
 )
 from analysis.explore.state import from_query
 from analysis.explore.structures import structure_answer
-from sidmacib.command.structures import structure_rows
-from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.command.answers import Row
+from sidmacib.command.structures import limit_of, static_of, structure_rows
+from sidmacib.structure.files.structure_file import Demand, structure_of
 from sidmacib.yaml_text import parsed, read_yaml
 
 QUICK = sorted(EXAMPLES.keys() - {"vault"})
@@ -91,10 +93,16 @@ def test_what_the_page_does_not_allow_is_brought_to_it_with_a_note(
 
 
 # --- answers -------------------------------------------------------------------------------------
+def command_rows(description: Any) -> list[Row]:
+    problem = structure_of(description)
+    limit = limit_of(problem)
+    return structure_rows(Demand(problem), limit, static_of(problem, limit), str)
+
+
 @pytest.mark.parametrize("name", QUICK)
 def test_its_table_is_what_the_command_prints_for_the_file(name: str) -> None:
     state = chosen(structure=name)
-    rows = structure_rows(structure_of(parsed(state.text.encode())))
+    rows = command_rows(parsed(state.text.encode()))
     answer = structure_answer(state)
     assert [dict(zip(answer["head"], row, strict=True)) for row in answer["rows"]] == rows
 
@@ -155,7 +163,7 @@ def test_a_file_that_is_sent_opens_as_the_page_of_the_command(served: Served) ->
     opened = served.get(page)
     assert opened.status == 200
     assert "script-src 'unsafe-inline'" in opened.headers["Content-Security-Policy"]
-    rows = structure_rows(structure_of(read_yaml(STUDIES / "structures/trilith.yaml")))
+    rows = command_rows(read_yaml(STUDIES / "structures/trilith.yaml"))
     for row in rows:
         assert row["note"] in opened.text
     assert "multilock assembly trilith.yaml" in opened.text

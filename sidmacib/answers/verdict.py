@@ -8,12 +8,15 @@ asked by a study.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from sidmacib.answers.structure import CRUSHING, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.problem import Counts, Failures
 from sidmacib.quantities import four_digits
+
+if TYPE_CHECKING:
+    from sidmacib.mechanics.limit import LimitState
 
 
 class Static(Protocol):
@@ -38,14 +41,6 @@ class Static(Protocol):
     @property
     def mode(self) -> str | None:
         """How it fails."""
-
-
-class Limit(Protocol):
-    """What decides of a `sidmacib.mechanics.limit.LimitState`."""
-
-    @property
-    def load(self) -> float:
-        """The limit load, N."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +71,9 @@ class Verdict:
 
 
 def verdict(
-    newtons: float, static: Static | CapacityError, limit: Limit | CapacityError
+    newtons: float,
+    static: Static | CapacityError,
+    limit: "LimitState | Static | CapacityError",
 ) -> Verdict:
     """The verdict on a load of ``newtons``, by the answers of both models."""
     most = None if isinstance(limit, CapacityError) else limit.load / newtons

@@ -21,7 +21,6 @@ from sidmacib.command.verdicts import (
     case_rows,
     chosen_case,
     demanded_rows,
-    require_load,
     reserve_rows,
     without_loads,
 )
@@ -29,7 +28,6 @@ from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import SupportMotion
 
-YADE = "yade"
 Answered = tuple[Sequence[Row] | None, bool]
 
 
@@ -47,21 +45,27 @@ class Wanted:
     case: str | None
     without_load: bool
     compas: Path | None
-    curve: Path | None
+    capacity_curve: Path | None
     picture: Path | None
     report: Path | None
     note: Path | None
-    engines: Sequence[str] = ()
+    engines: Sequence[str]
 
     @property
     def still(self) -> Path | None:
         """The file for a picture of the structure, not of the capacity curve."""
-        return self.picture if self.curve is None else None
+        return self.picture if self.capacity_curve is None else None
 
     @property
     def draws(self) -> bool:
         """Whether a page, a picture or a note is asked for."""
         return any(path is not None for path in (self.report, self.still, self.note))
+
+    def refuse(self, words: str, *names: str) -> None:
+        """`click.UsageError` in these ``words`` for the first of these options that is given."""
+        for name in names:
+            if getattr(self, name):
+                raise click.UsageError(f"--{name.replace('_', '-')}: {words}")
 
 
 def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
@@ -97,9 +101,9 @@ def _note_turned(description: Any, folder: Path) -> None:
 
 def _of_several(demands: Sequence[Demand], wanted: Wanted) -> Answered:
     """The verdict on load cases, or what there is in reserve without a load."""
-    require_load(demands, interfaces=wanted.interfaces, compas=wanted.compas)
-    require_load(demands, capacity_curve=wanted.curve, picture=wanted.picture)
-    require_load(demands, report=wanted.report, note=wanted.note)
+    needs = "--case, as the file has load_cases" if demands[0].raises else "a load"
+    others = "interfaces", "compas", "capacity_curve", "picture", "report", "note"
+    wanted.refuse(f"needs {needs}", *others)
     rows, words, passes = case_rows(demands) if demands[0].raises else reserve_rows(demands)
     say(words, wanted.form)
     click.echo(text_of(rows, wanted.form))
@@ -109,12 +113,11 @@ def _of_several(demands: Sequence[Demand], wanted: Wanted) -> Answered:
 def _of_support(file: Path, demand: Demand, wanted: Wanted) -> Answered:
     from sidmacib.command.displacements import support_rows, write_curve
 
-    for name in ("interfaces", "compas", "report", "note"):
-        if getattr(wanted, name):
-            raise click.UsageError(f"--{name}: must not be given where a support moves")
-    rows, moves = support_rows(demand.problem, YADE in wanted.engines)
+    others = "interfaces", "compas", "report", "note"
+    wanted.refuse("must not be given where a support moves", *others)
+    rows, moves = support_rows(demand.problem, "yade" in wanted.engines)
     click.echo(text_of(rows, wanted.form))
-    write_curve(moves, file.stem, wanted.curve, wanted.picture)
+    write_curve(moves, file.stem, wanted.capacity_curve, wanted.picture)
     return None, True
 
 
@@ -133,8 +136,7 @@ def _of_load(
         rows, found = demanded_rows(demand, limit, static, tell)
         if found is not None:
             passes, words = found.passes, str(found)
-    if words:
-        say(words, wanted.form)
+            say(words, wanted.form)
     shown = rows
     if wanted.interfaces:
         if isinstance(static, CapacityError):
@@ -150,10 +152,10 @@ def _of_load(
 
         views = Views.of(file, description, problem, limit, static, notes, words)
         views.write(rows, wanted.report, wanted.still, wanted.note)
-    if wanted.curve is not None:
+    if wanted.capacity_curve is not None:
         from sidmacib.command.displacements import curve_rows, write_curve
 
         moves, end = curve_rows(problem)
         click.echo(f"Capacity curve: {end}.", err=True)
-        write_curve(moves, file.stem, wanted.curve, wanted.picture)
+        write_curve(moves, file.stem, wanted.capacity_curve, wanted.picture)
     return shown, passes

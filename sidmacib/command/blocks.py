@@ -60,7 +60,6 @@ GAP = Number(at_least=0, unit="m")
 )
 @click.option(
     "--capacity-curve",
-    "curve",
     type=Written(),
     help="Follow the mechanism at finite displacements; write the load over the displacement, down "
     "to no load, into this CSV file. If a support moves: its reaction over its movement.",
@@ -91,7 +90,7 @@ def assembly(
     file: Path,
     interfaces: bool,
     compas: Path | None,
-    curve: Path | None,
+    capacity_curve: Path | None,
     picture: Path | None,
     report: Path | None,
     note: Path | None,
@@ -122,7 +121,7 @@ def assembly(
         from sidmacib.command.structures import added_keys
         from sidmacib.structure.files.structure_file import description_in
 
-        files = compas, curve, picture, report, note
+        files = compas, capacity_curve, picture, report, note
         wanted = Wanted(form, interfaces, case, without_load, *files, engines)
         if report is not None:
             _require_plotly()

@@ -22,7 +22,7 @@ from sidmacib.structure.analysis.second_order import rotation_effect, rotation_w
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.loads import load_warnings
 from sidmacib.structure.files.sections import StructureFile
-from sidmacib.structure.files.structure_file import demands_of
+from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import free_weight, naming_permanent
 from sidmacib.structure.warnings import structure_warnings
 
@@ -35,10 +35,10 @@ Tell = Callable[[str], object]
 
 def added_keys(
     *,
-    fixed: str | None = None,
-    friction: float | None = None,
-    tolerance: float | None = None,
-    from_file: bool = False,
+    fixed: str | None,
+    friction: float | None,
+    tolerance: float | None,
+    from_file: bool,
     **of_blocks: object,
 ) -> dict[str, Any]:
     """Options of the command as keys of a structure's file: those that are given."""
@@ -105,9 +105,9 @@ def limit_of(problem: Problem, tell: Tell = str) -> LimitState | CapacityError |
 
 
 def static_of(
-    problem: Problem, limit: LimitState | CapacityError | None = None, tell: Tell = str
+    problem: Problem, limit: LimitState | CapacityError | None, tell: Tell = str
 ) -> StaticAnswer | CapacityError:
-    """The answer of the static model, or why it has none; ``limit``: by `limit_of`, if known."""
+    """The answer of the static model, or why it has none; ``limit``: by `limit_of`."""
     tell("static model ...")
     try:
         return static_answer(problem, limit)
@@ -117,21 +117,18 @@ def static_of(
 
 
 def structure_rows(
-    problem: Problem,
-    limit: LimitState | CapacityError | None = None,
-    static: StaticAnswer | CapacityError | None = None,
-    tell: Tell = str,
+    demand: Demand,
+    limit: LimitState | CapacityError | None,
+    static: StaticAnswer | CapacityError,
+    tell: Tell,
 ) -> list[Row]:
     """Capacity of a structure by each model: loads, or angles if gravity turns.
 
-    ``limit`` and ``static``: by `limit_of` and `static_of` if these were asked before, as either is
-    solved once.
+    With factors where a load is to be carried. ``limit`` and ``static``: by `limit_of` and
+    `static_of`.
     """
-    limit = limit_of(problem, tell) if limit is None else limit
-    static = static_of(problem, limit, tell) if static is None else static
-    if problem.loads.axis is not None:
-        return [*_limit_tilt(problem, Tilt.of(problem.loads)), _static(problem, static)]
-    return [*_limits(problem, limit, tell), _static(problem, static)]
+    of_limit = _limit_tilt(demand) if limit is None else _limits(demand, limit, tell)
+    return [*of_limit, _static(demand, static)]
 
 
 def force_rows(answer: StaticAnswer) -> list[Row]:
@@ -163,45 +160,45 @@ def _torque(limit: LimitState) -> str:
     return f"limited by the torque of interfaces ({four_digits(limit.untwisted)} N without)"
 
 
-def _limits(
-    problem: Problem, limit: LimitState | CapacityError | None, tell: Tell
-) -> Iterator[Row]:
+def _limits(demand: Demand, limit: LimitState | CapacityError, tell: Tell) -> Iterator[Row]:
     if isinstance(limit, CapacityError):
-        yield _row(problem, "limit", None, reason(limit))
-    elif limit is not None:
-        moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
-        notes = assumes(problem.assembly), _torque(limit), _crushed(problem, limit), moves
-        note = "; ".join(filter(None, notes))
-        error = limit_mesh_error(problem, limit.load)
-        yield _row(problem, "limit", limit.load, note, error)
-        tell("limit analysis without dilation ...")
-        try:
-            with naming_permanent(problem.loads):
-                sliding = sliding_limit(*problem, limit)
-            yield _row(problem, "limit, no dilation", sliding.state.load, sliding.note)
-        except CapacityError as error:
-            yield _row(problem, "limit, no dilation", None, reason(error))
-
-
-def _limit_tilt(problem: Problem, tilt: Tilt) -> Iterator[Row]:
-    assembly = problem.assembly
+        yield _row(demand, "limit", None, reason(limit))
+        return
+    problem = demand.problem
+    moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
+    notes = assumes(problem.assembly), _torque(limit), _crushed(problem, limit), moves
+    note, error = "; ".join(filter(None, notes)), limit_mesh_error(problem, limit.load)
+    yield _row(demand, "limit", limit.load, note, error)
+    tell("limit analysis without dilation ...")
     try:
         with naming_permanent(problem.loads):
-            limit = limit_tilt(assembly, tilt)
+            sliding = sliding_limit(*problem, limit)
+        yield _row(demand, "limit, no dilation", sliding.state.load, sliding.note)
+    except CapacityError as failure:
+        yield _row(demand, "limit, no dilation", None, reason(failure))
+
+
+def _limit_tilt(demand: Demand) -> Iterator[Row]:
+    assembly, loads = demand.problem
+    try:
+        with naming_permanent(loads):
+            limit = limit_tilt(assembly, Tilt.of(loads))
         if limit.mechanism is None:
             note = "in equilibrium at every tilt"
         else:
             moves = moves_most(assembly, limit.mechanism)
             note = f"{assumes(assembly)}; largest displacement: {moves}"
-        yield _row(problem, "limit", limit.angle, note, limit_mesh_error(problem, limit.angle))
-    except CapacityError as error:
-        yield _row(problem, "limit", None, reason(error))
+        error = limit_mesh_error(demand.problem, limit.angle)
+        yield _row(demand, "limit", limit.angle, note, error)
+    except CapacityError as failure:
+        yield _row(demand, "limit", None, reason(failure))
 
 
-def _static(problem: Problem, answer: StaticAnswer | CapacityError) -> Row:
+def _static(demand: Demand, answer: StaticAnswer | CapacityError) -> Row:
     if isinstance(answer, CapacityError):
-        return _row(problem, "static", None, reason(answer))
-    return _row(problem, "static", answer.load, _note(problem, answer), answer.mesh_error, answer)
+        return _row(demand, "static", None, reason(answer))
+    note = _note(demand.problem, answer)
+    return _row(demand, "static", answer.load, note, answer.mesh_error, answer)
 
 
 def _note(problem: Problem, answer: StaticAnswer) -> str:
@@ -228,7 +225,7 @@ def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
 
 
 def _row(
-    problem: Problem,
+    demand: Demand,
     model: str,
     load: float | None,
     note: str,
@@ -236,11 +233,13 @@ def _row(
     answer: StaticAnswer | None = None,
 ) -> Row:
     """A row of the table; an ``answer`` of the static model has a first failure and a peak, too."""
-    tilts = problem.loads.axis is not None
+    tilts = demand.problem.loads.axis is not None
     what, unit = ("tilt", "degrees") if tilts else ("load", "N")
     row: Row = {"model": model, f"{what} ({unit})": load}
     if not tilts:
-        row["load / weight"] = None if load is None else load / free_weight(problem.assembly)
+        if demand.newtons is not None:
+            row["factor"] = None if load is None else load / demand.newtons
+        row["load / weight"] = None if load is None else load / free_weight(demand.problem.assembly)
     return row | {
         f"mesh error / {what}": error,
         f"first failure ({unit})": answer and answer.failures.first,

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import click
-
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.answers.structure_reserve import Reserve, reserve
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all, verdict
@@ -27,17 +25,11 @@ def demanded_rows(
     static: StaticAnswer | CapacityError,
     tell: Tell = str,
 ) -> tuple[list[Row], Verdict | None]:
-    """`structure_rows` with factors, and the verdict, where a load is to be carried."""
-    rows = structure_rows(demand.problem, limit, static, tell)
+    """`structure_rows`, and the verdict where a load is to be carried."""
+    rows = structure_rows(demand, limit, static, tell)
     if demand.newtons is None or limit is None:
         return rows, None
-    for row in rows:
-        load = row["load (N)"]
-        row["factor"] = None if load is None else load / demand.newtons
-    head = [key for key in rows[0] if key != "factor"]
-    head.insert(head.index("load (N)") + 1, "factor")
-    ordered = [{key: row[key] for key in head} for row in rows]
-    return ordered, verdict(demand.newtons, static, limit)
+    return rows, verdict(demand.newtons, static, limit)
 
 
 def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
@@ -142,11 +134,3 @@ def without_loads(description: Any) -> Any:
     if not isinstance(description, dict):
         return description
     return {key: value for key, value in description.items() if key not in ("load", "load_cases")}
-
-
-def require_load(demands: Sequence[Demand], **options: object) -> None:
-    """`click.UsageError` for an option that is given and has an answer for one load only."""
-    for name, value in options.items():
-        if value:
-            needs = "a load" if not demands[0].raises else "--case, as the file has load_cases"
-            raise click.UsageError(f"--{name.replace('_', '-')}: needs {needs}")
