@@ -44,7 +44,7 @@ def write_all(
     folder: Path,
     unit: str,
     drawings: str,
-    progress: Callable[[str], object] = str,
+    progress: Callable[[str], object],
 ) -> None:
     """Write files, table and drawings into ``folder``; `click.UsageError` if that fails."""
     gaps = [f"{spelled(UNITS[unit] * gap)} {unit}" for gap in (clearance.sides, clearance.heads)]

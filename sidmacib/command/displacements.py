@@ -10,7 +10,7 @@ from sidmacib.command.answers import Row
 from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.capacity_curve import CapacityCurve, capacity_curve
+from sidmacib.structure.analysis.capacity_curve import capacity_curve
 from sidmacib.structure.loads import SupportMotion, free_weight
 
 if TYPE_CHECKING:
@@ -34,14 +34,11 @@ def curve_rows(problem: Problem) -> tuple[list[Row], str]:
             curve.displacement.tolist(), curve.load.tolist(), curve.rotation.tolist(), strict=True
         )
     ]
-    return rows, _curve_words(curve)
+    joints = joints_in_words(curve.hinges, curve.slides)
+    return rows, f"{curve.end} along it; {joints} at the start"
 
 
-def _curve_words(curve: CapacityCurve) -> str:
-    return f"{curve.end} along it; {joints_in_words(curve.hinges, curve.slides)} at the start"
-
-
-def support_rows(problem: Problem, yade: bool = False) -> tuple[list[Row], list[Row]]:
+def support_rows(problem: Problem, yade: bool) -> tuple[list[Row], list[Row]]:
     """What a support that moves does: reactions by each model, and the reaction over the movement.
 
     ``yade``: whether YADE is asked too. Errors of `support_answers`.
@@ -53,24 +50,20 @@ def support_rows(problem: Problem, yade: bool = False) -> tuple[list[Row], list[
         from sidmacib.engines.curve import yade_answer
 
         answers.append(yade_answer(problem))
-    what, moved = "reaction (N)", "movement (m)"
+    what, moved, unit = "reaction (N)", "movement (m)", 1.0
     if loads.turns:
-        what, moved = "reaction (N m)", "movement (degrees)"
-
-    def shown(movement: float) -> float:
-        return math.degrees(movement) if loads.turns else movement
-
+        what, moved, unit = "reaction (N m)", "movement (degrees)", math.degrees(1.0)
     rows: list[Row] = [
         {
             "model": each.answer,
             what: each.reaction,
-            moved: None if each.movement is None else shown(each.movement),
+            moved: None if each.movement is None else unit * each.movement,
             "note": each.note,
         }
         for each in answers
     ]
     curve: list[Row] = [
-        {moved: shown(movement), what: reaction}
+        {moved: unit * movement, what: reaction}
         for movement, reaction in zip(path.movement.tolist(), path.reaction.tolist(), strict=True)
     ]
     return rows, curve

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from sidmacib.answers.joint import joint_answer, joint_mesh_error
-from sidmacib.command.note_drawing import drawing
 from sidmacib.command.output import refused_in_one_line, write_text
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
@@ -43,6 +43,11 @@ from sidmacib.rule.reliability import (
 from sidmacib.scene.page import rendered
 
 TEMPLATE = Path(__file__).with_name("joint_note.html.j2")
+# Of the drawing, in its units:
+WIDE = 560.0  # of a view
+LEFT, TOP = 90.0, 46.0  # corner of the elevation
+GAP = 16.0  # between a view and a line of dimensions
+LEAST = 14.0  # height of the lower block
 SLIGHT = 0.01  # of the largest utilisation: locks below carry next to nothing
 Cells = tuple[object, ...]
 
@@ -90,7 +95,7 @@ def joint_note(case: Case, command: str) -> str:
         joint=joint,
         resistance=resistance,
         margin=margin_of(joint),
-        at=drawing(joint, direction, str(push)),
+        at=_drawing(joint, direction, push),
         load=_load(case),
         parameters=_parameters(joint),
         locks=_locks(state, joint),
@@ -107,6 +112,41 @@ def joint_note(case: Case, command: str) -> str:
         version=version("multilock"),
         command=command,
     )
+
+
+def _drawing(joint: Joint, direction: Direction, push: Push) -> dict[str, Any]:
+    """Where elevation, plan and load along ``direction`` are drawn by the template."""
+    scale = min(WIDE / joint.total_width, 90.0 / (joint.h + joint.H), 130.0 / joint.a)
+    right, deep = LEFT + scale * joint.total_width, scale * joint.a
+    foot = TOP + scale * joint.H + scale * joint.h
+    below = max(0.5 * scale * joint.H, LEAST)
+    plan = foot + below + 40.0
+    middle, off = plan + deep / 2, 0.0
+    if direction.shear:
+        off = min(max(direction.eccentricity * deep, -0.5 * deep - 30), 0.5 * deep + 30)
+    from_left = push is Push.PLUS_Y
+    return {
+        "left": LEFT,
+        "right": right,
+        "top": TOP,
+        "roots": TOP + scale * joint.H,
+        "foot": foot,
+        "below": below,
+        "locks": [
+            (LEFT + scale * joint.edge(lock - 1), LEFT + scale * joint.edge(lock))
+            for lock in joint.numbers
+        ],
+        "plan": plan,
+        "deep": deep,
+        "middle": middle,
+        "off": off,
+        "sign": 1 if from_left else -1,
+        "start": LEFT - 46 if from_left else right + 46 + GAP,
+        "end": LEFT - 4 if from_left else right + 4,
+        "dimensions": right + GAP,
+        "wide": right + 110.0,
+        "high": max(plan + deep, middle + off) + 20.0,
+    }
 
 
 def _load(case: Case) -> str:

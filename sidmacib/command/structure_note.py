@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from sidmacib.command.answers import Row
-from sidmacib.command.output import cell, in_asked_units, in_asked_words, write_text
+from sidmacib.command.output import cell, in_asked_units, in_asked_words
 from sidmacib.command.structure_views import Views
 from sidmacib.drawing import write_figure
 from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece
@@ -31,13 +31,8 @@ KINDS = {Kind.INNER: "bonded", Kind.DRY: "dry", Kind.LOCKED: "condensed locks"}
 Cells = tuple[object, ...]
 
 
-def write_note(views: Views, rows: Sequence[Row], path: Path, command: str) -> None:
-    """Write the note into a file; ``rows``: the table that is printed; `click.UsageError`."""
-    write_text(structure_note(views, rows, command), path, "--note")
-
-
 def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
-    """The note in HTML; ``command``: what it was made by."""
+    """The note in HTML; ``rows``: the table that is printed; ``command``: what it was made by."""
     drawn, assembly = views.models[0], views.problem.assembly
     asked, laws = in_asked_units(rows), [*_laws(drawn.assembly.faces)]
     return rendered(
@@ -160,10 +155,11 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
         size = float(np.abs(loads[:, :3]).sum())
         kept = "verified" if left <= BALANCED * size else "NOT verified"
         yield "Reactions balance the loads", f"{left / size:.1e} of the loads is left", kept
+    what = "load" if views.problem.loads.axis is None else "tilt"
     for row in rows:
-        error = next((value for key, value in row.items() if key.startswith("mesh error")), None)
+        error = row[f"mesh error / {what}"]
         if error is not None:
-            told = f"{100.0 * error:.2g} % of the load"
+            told = f"{100.0 * error:.2g} % of the {what}"
             yield f"Mesh error, {row['model']}", told, "small" if error <= FLEXIBLE else "LARGE"
     found_by = {each.model: each.load for each in views.models}
     one, other = found_by.get("static"), found_by.get("limit")

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.answers.structure import StaticAnswer
-from sidmacib.answers.structure_words import answer_words, load_words
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import cell, draw, in_asked_units, in_asked_words, write_text
 from sidmacib.errors import CapacityError, NoEquilibriumError
@@ -57,12 +56,12 @@ class Views:
         by_limit = _limit(problem, limit)
         if isinstance(static, StaticAnswer):
             found = Drawn("static", problem, structure_static.outcome_of(problem, static))
-            answer = answer_words(static.load, weight, static.counts, static.mode)
+            answer = _answer_words(static, weight)
         else:
             found = Drawn("static", problem, error=reason(static))
             answer = f"static model: {reason(static)}"
             if by_limit.load is not None and not isinstance(static, NoEquilibriumError):
-                answer = f"limit analysis: {load_words(by_limit.load, weight)}; {answer}"
+                answer = f"limit analysis: {_load_words(by_limit.load, weight)}; {answer}"
         drawn = [found, by_limit]
         if found.outcome is None:
             drawn.reverse()
@@ -86,29 +85,23 @@ class Views:
     ) -> None:
         """Write the page, the picture and the calculation note that are asked for.
 
-        ``rows``: the table that is printed. `click.UsageError` for a file that cannot be written.
+        ``rows``: the table that is printed. `click.UsageError` for a file that cannot be written;
+        ValueError for a page without the package plotly.
         """
         command = shlex.join(["multilock", *sys.argv[1:]])
         if report is not None:
-            write_text(self.page(rows, command), report, "--report")
+            write_text(page(*self.content(rows, command)), report, "--report")
         if still is not None:
             from sidmacib.scene.picture import picture
 
             draw(picture(self.models[0], self.shape, f"{self.title}: {self.answer}"), still)
         if note is not None:
-            from sidmacib.command.structure_note import write_note
+            from sidmacib.command.structure_note import structure_note
 
-            write_note(self, rows, note, command)
-
-    def page(self, rows: Sequence[Row], command: str) -> str:
-        """The page in HTML; ``rows``: the table that is printed by ``command``.
-
-        ValueError without the package plotly.
-        """
-        return page(*self.content(rows, command))
+            write_text(structure_note(self, rows, command), note, "--note")
 
     def content(self, rows: Sequence[Row], command: str) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Data and words of `page`."""
+        """Data and words of `page`; ``rows``: the table that is printed by ``command``."""
         shown = in_asked_units(rows)
         structure = {
             "title": self.title,
@@ -127,6 +120,22 @@ class Views:
             "command": command,
         }
         return {"structures": [structure]}, words
+
+
+def _load_words(load: float, weight: float | None) -> str:
+    """A ``load`` (N) beside the ``weight`` (N) of the free blocks; degrees without one."""
+    if weight is None:
+        return f"{load:.4g}°"
+    return f"{four_digits(load)} N, {load / weight:.3g} of the weight"
+
+
+def _answer_words(answer: StaticAnswer, weight: float | None) -> str:
+    """What happens at the load that counts, and how the structure fails."""
+    at = _load_words(answer.load, weight)
+    if not answer.counts.peak:
+        return f"first bond failure at {at}; {answer.counts}"
+    ends = "last equilibrium" if weight is None else "peak"
+    return f"{ends} at {at}; failure mode: {answer.mode}"
 
 
 def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:
