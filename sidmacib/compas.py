@@ -125,7 +125,7 @@ def _described(problem: Any, laws: Mapping[str, Any] | str | Path | None) -> dic
     if contact is not None:
         names = {"friction": "mu", "cohesion": "c", "tensile_strength": "t_c"}
         of_problem = {name: getattr(contact, of) or 0.0 for name, of in names.items()}
-    elif not {"friction"} & dict(given.get("interfaces") or {}).keys():
+    elif "friction" not in (given.get("interfaces") or {}):
         raise ValueError("problem: must have a contact model, or laws with interfaces")
     return {**given, "interfaces": {**of_problem, **(given.get("interfaces") or {})}}
 

@@ -1,7 +1,7 @@
 """Whether a structure stands under permanent loads alone, and what it has in reserve."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.limit import require_standing
@@ -32,12 +32,12 @@ class Reserve:
     factor: float | None
     least: Push | None
     tried: tuple[Push, ...]
-    static: str = ""
-    falls: bool = False
-    strength: float | None = None
+    static: str
+    falls: bool
+    strength: float | None
 
 
-def reserve(problem: Problem, tell: Callable[[str], object] = str) -> Reserve:
+def reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
     """The reserve of a structure; `CapacityError` if it does not stand in limit analysis.
 
     ``tell`` is told what is found.
@@ -49,16 +49,15 @@ def reserve(problem: Problem, tell: Callable[[str], object] = str) -> Reserve:
         tell("stands in limit analysis; horizontal accelerations ...")
         tried = pushes(assembly, loads, tell)
         tell("geometrical safety factor ...")
-        factor = geometrical_factor(assembly, loads)
-        found = Reserve(factor, least_push(assembly, loads, tried), tried)
-        found = replace(found, strength=strength_factor(assembly, loads))
+        factor, least = geometrical_factor(assembly, loads), least_push(assembly, loads, tried)
+        strength = strength_factor(assembly, loads)
+    static, falls = "", False
     try:
         with naming_permanent(loads):
             _require_static(problem)
-            return found
     except CapacityError as error:
-        falls = isinstance(error, NoEquilibriumError)
-        return replace(found, static=str(error), falls=falls)
+        static, falls = str(error), isinstance(error, NoEquilibriumError)
+    return Reserve(factor, least, tried, static, falls, strength)
 
 
 def _require_static(problem: Problem) -> None:

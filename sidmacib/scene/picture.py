@@ -141,9 +141,10 @@ def _interfaces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Float
                 label = f"first bond failure: {first}" if number == 0 else None
                 axes.plot(x, y, color=VERMILION, lw=2.5, label=label)
     of_lock = {each["name"] for each in shape["interfaces"] if _is_of_lock(shape, each)}
-    hinges = [row for row in _carrying(drawn.interfaces) if is_hinge(row)]
-    hinges = [row for row in hinges if row.interface not in of_lock]
-    _dots(axes, [place for row in hinges if (place := row_point(row))], axes3, "hinge")
+    carrying = [row for row in _carrying(drawn.interfaces) if row.interface not in of_lock]
+    if hinges := [place for row in carrying if is_hinge(row) and (place := row_point(row))]:
+        x, y, _ = axes3 @ np.array(hinges).T
+        axes.plot(x, y, "o", color=BLUE, ms=6, mec="white", label="hinge", zorder=4)
 
 
 def _is_of_lock(shape: Mapping[str, Any], interface: Mapping[str, Any]) -> bool:
@@ -160,12 +161,6 @@ def _carrying(rows: Sequence[InterfaceRow]) -> Iterator[InterfaceRow]:
     size = {row: float(np.hypot(row.normal_N, row.shear_N)) for row in rows}
     least = NEXT_TO_NOTHING * max(size.values(), default=0.0)
     yield from (row for row in rows if size[row] > least)
-
-
-def _dots(axes: Axes, places: Sequence[Sequence[float]], axes3: Floats, label: str) -> None:
-    if places:
-        x, y, _ = axes3 @ np.array(places).T
-        axes.plot(x, y, "o", color=BLUE, ms=6, mec="white", label=label, zorder=4)
 
 
 def _forces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -> None:
@@ -213,7 +208,7 @@ def _arrows(
 def _components(force: Floats) -> str:
     """Those that are more than next to nothing, a line each."""
     least = NEXT_TO_NOTHING * float(np.linalg.norm(force))
-    told = [(axis, value) for axis, value in zip("xyz", force.tolist(), strict=True)]
+    told = zip("xyz", force.tolist(), strict=True)
     return "\n".join(
         f"R{axis} {four_digits(value)} N" for axis, value in told if abs(value) > least
     )
