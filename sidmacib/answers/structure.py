@@ -107,14 +107,15 @@ def static_answer(
     """
     with naming_permanent(problem.loads):
         if not crushed_faces(problem.assembly):
-            return _answered(problem)
+            return uncrushed_answer(problem)
         # Imported here, as following a path loads no solver of programmes.
         crushing = importlib.import_module("sidmacib.answers.structure_crushing")
-        answer: StaticAnswer = crushing.with_crushing(problem, _answered, limit)
+        answer: StaticAnswer = crushing.with_crushing(problem, limit)
         return answer
 
 
-def _answered(problem: Problem) -> StaticAnswer:
+def uncrushed_answer(problem: Problem) -> StaticAnswer:
+    """The answer for blocks that no pressure crushes; errors of `static_answer`."""
     found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)

@@ -8,14 +8,19 @@ begins at the limit load.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import bisect
 
-from sidmacib.answers.structure import CRUSHING, StaticAnswer, without_other_meshes
+from sidmacib.answers.structure import (
+    CRUSHING,
+    StaticAnswer,
+    uncrushed_answer,
+    without_other_meshes,
+)
 from sidmacib.answers.structure_limit import limit_state
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
@@ -36,18 +41,14 @@ NOT_CRUSHED = "no interface is crushed"
 PRECISION = 1e-6  # of where crushing begins between two equilibria
 
 
-def with_crushing(
-    problem: Problem,
-    without: Callable[[Problem], StaticAnswer],
-    limit: LimitState | CapacityError | None,
-) -> StaticAnswer:
-    """The answer for blocks that can be crushed; ``without``: gives that for blocks that cannot.
+def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+    """The answer for blocks that can be crushed.
 
     ``limit``: of limit analysis, if it is known. `NoEquilibriumError` if they do not stand.
     """
     unlimited = False
     try:
-        answer = without(problem)
+        answer = uncrushed_answer(problem)
     except UnboundedError as error:
         answer, unlimited = _as_far_as(problem, _limit_load(problem, limit), error), True
     begins = crushing_begins(answer.assembly, answer.path)
