@@ -230,12 +230,10 @@ def surface(of: manifold3d.Manifold) -> tuple[Floats, Integers]:
 
 def _welded(places: Floats, triangles: Integers) -> tuple[Floats, Integers]:
     """A surface without vertices nearer than `WELDED`, which files of 32-bit numbers confuse."""
-    close = cKDTree(places).query_pairs(WELDED, output_type="ndarray")
-    group = np.array(grouped(len(places), close.astype(np.int64).reshape(-1, 2)))
-    _, first, kept = np.unique(group, return_index=True, return_inverse=True)
-    merged = kept[triangles]
+    group = grouped(len(places), cKDTree(places).query_pairs(WELDED, output_type="ndarray"))
+    merged = group[triangles]
     real = (merged != np.roll(merged, 1, axis=1)).all(axis=1)
-    return places[first], merged[real].astype(np.int64)
+    return places[np.unique(group, return_index=True)[1]], merged[real]
 
 
 def require_apart(made: Sequence[Solid], fixed: set[str]) -> None:
