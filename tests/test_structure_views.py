@@ -221,6 +221,13 @@ def test_the_note_has_answer_reactions_checks_and_assumptions(written: Path) -> 
     assert "No laboratory test" in note
 
 
+def test_the_note_of_a_tilt_has_the_mesh_errors_of_the_tilt(tmp_path: Path) -> None:
+    file, note = tmp_path / "block.yaml", tmp_path / "note.html"
+    file.write_text(yaml.safe_dump(BLOCK | {"load": {"tilt": {"axis": [0, 1, 0]}}}))
+    assert run("assembly", str(file), "--note", str(note)).exit_code == 0
+    assert "% of the tilt" in note.read_text() and "% of the load" not in note.read_text()
+
+
 def test_what_does_not_stand_is_drawn_and_said(tmp_path: Path) -> None:
     file = tmp_path / "tower.yaml"
     tower = {"low": [0.9, 0.3, 0], "high": [1.5, 0.5, 0.2]}

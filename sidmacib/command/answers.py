@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 from sidmacib.engines import ENGINES
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, Push
+from sidmacib.joint.loading import Loading, Push, posed
+from sidmacib.problem import Failures, checked_share
 
 if TYPE_CHECKING:
-    from sidmacib.problem import Failures
     from sidmacib.rule import LawCapacity
     from sidmacib.rule.reliability import Reliability
 
@@ -77,7 +77,6 @@ def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.answers.joint import meshes
-    from sidmacib.joint.loading import posed
     from sidmacib.mechanics.limit import limit_load
 
     problem = posed(joint, Loading(direction, push=push), meshes(joint)[1])
@@ -100,8 +99,6 @@ def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer
     from sidmacib.answers.joint import meshes
     from sidmacib.engines.results import disagreement
     from sidmacib.engines.run import EngineError, engine_outcome
-    from sidmacib.joint.loading import posed
-    from sidmacib.problem import checked_share
 
     engine, loading = ENGINES[name], Loading(direction, push=push)
     problem = posed(joint, loading, meshes(joint)[1])
@@ -119,15 +116,13 @@ def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer
     return Answer(load, "; ".join(filter(None, notes)), first)
 
 
-def _static_failures(joint: Joint, loading: Loading, first_only: bool) -> "Failures | None":
+def _static_failures(joint: Joint, loading: Loading, first_only: bool) -> Failures | None:
     """First failure and peak (N) of the static model on the engines' nodes; None if it has none.
 
     ``first_only``: without the peak, which takes minutes for elastic blocks.
     """
     from sidmacib.answers.joint import joint_answer, meshes
-    from sidmacib.joint.loading import posed
     from sidmacib.mechanics.static import static_first_failure
-    from sidmacib.problem import Failures
 
     try:
         if first_only:

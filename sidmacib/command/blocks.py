@@ -125,16 +125,16 @@ def assembly(
         wanted = Wanted(form, interfaces, case, without_load, *files, engines)
         if report is not None:
             _require_plotly()
-        description = description_in(file, added_keys(**options), _note_left_out)
+        description = description_in(
+            file,
+            added_keys(**options),
+            lambda name: click.echo(f"Note: {name} is not read, as it has blocks itself", err=True),
+        )
         rows, passes = answered(file, description, wanted)
     if rows is not None:
         require_answer(rows)
     if not passes:
         sys.exit(1)
-
-
-def _note_left_out(name: str) -> None:
-    click.echo(f"Note: {name} is not read, as it has blocks itself", err=True)
 
 
 def _require_plotly() -> None:

@@ -9,7 +9,6 @@ import shlex
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -109,7 +108,6 @@ def joint_note(case: Case, command: str) -> str:
         path_margin=PATH,
         of_strengths=safe(weakened(weak, case.reliability.partial_factor), direction, push).load,
         checks=[*_checks(case, resistance)],
-        version=version("multilock"),
         command=command,
     )
 

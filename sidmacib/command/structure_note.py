@@ -3,7 +3,6 @@
 import io
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +53,6 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
         checks=[*_checks(views, rows)],
         crushed=bool(crushed_faces(assembly)),
         load=in_asked_words(load_of(views.problem)),
-        version=version("multilock"),
         command=command,
     )
 

@@ -4,7 +4,6 @@ import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -115,8 +114,13 @@ class Views:
             "about": self.about,
             "notes": self.notes,
             "head": list(shown[0]),
-            "rows": [[_shown(value) for value in row.values()] for row in shown],
-            "version": version("multilock"),
+            "rows": [
+                [
+                    {"text": cell(each), "number": isinstance(each, int | float)}
+                    for each in row.values()
+                ]
+                for row in shown
+            ],
             "command": command,
         }
         return {"structures": [structure]}, words
@@ -147,7 +151,3 @@ def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:
     if isinstance(limit, CapacityError):
         return Drawn("limit", problem, error=reason(limit))
     return Drawn("limit", problem, structure_limit.outcome_of(problem, limit))
-
-
-def _shown(value: Any) -> dict[str, Any]:
-    return {"text": cell(value), "number": isinstance(value, int | float)}

@@ -3,6 +3,7 @@
 import importlib
 import json
 from collections.abc import Mapping, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,6 @@ HERE = Path(__file__).parent
 SCRIPTS = ("chart.js", "parts.js", "structure.js", "report.js", "address.js")
 TEMPLATE = HERE / "report.html.j2"
 DIGITS = 7  # of numbers that are drawn
-PACKAGE = "plotly.offline"
 
 
 def page(data: Mapping[str, Any], words: Mapping[str, Any], template: Path = TEMPLATE) -> str:
@@ -37,16 +37,19 @@ def page(data: Mapping[str, Any], words: Mapping[str, Any], template: Path = TEM
 def plotly_js() -> str:
     """The scripts of plotly; ValueError without that package."""
     try:
-        return str(importlib.import_module(PACKAGE).get_plotlyjs())
+        return str(importlib.import_module("plotly.offline").get_plotlyjs())
     except ImportError:
         raise ValueError("needs the package plotly: pip install multilock[report]") from None
 
 
 def rendered(template: Path, **words: Any) -> str:
-    """A ``template`` with its ``words``, which may include others beside it or in this folder."""
+    """A ``template`` with its ``words`` and the ``version`` of multilock.
+
+    It may include others beside it or in this folder.
+    """
     folders = FileSystemLoader([HERE, template.parent])
     environment = Environment(loader=folders, undefined=StrictUndefined, autoescape=True)
-    return environment.get_template(template.name).render(**words)
+    return environment.get_template(template.name).render(version=version("multilock"), **words)
 
 
 def _short(value: Any) -> Any:

@@ -134,7 +134,9 @@ def _whole(carried: Sequence[Carried]) -> dict[str, Any]:
     sign = np.array([each for _, _, each in carried])
     places = np.array([face.middle for face, _, _ in carried])
     middle = area @ places / area.sum()
-    forces = sign[:, None] * np.array([_force(row) for _, row, _ in carried])
+    forces = sign[:, None] * np.array(
+        [(row.force_x_N, row.force_y_N, row.force_z_N) for _, row, _ in carried]
+    )
     acts = [row_point(row) or tuple(face.middle) for face, row, _ in carried]
     moment = np.cross(np.array(acts) - middle, forces).sum(axis=0)
     force = forces.sum(axis=0)
@@ -155,10 +157,6 @@ def row_point(row: InterfaceRow) -> Vector | None:
     if row.at_x_m is None or row.at_y_m is None or row.at_z_m is None:
         return None
     return row.at_x_m, row.at_y_m, row.at_z_m
-
-
-def _force(row: InterfaceRow) -> Vector:
-    return row.force_x_N, row.force_y_N, row.force_z_N
 
 
 def _vector(values: Floats) -> Vector:
