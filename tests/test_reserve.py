@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 import yaml
 from command_runner import run
+from conftest import ROOT
 from structures import GROUND, dry, example
 
 from sidmacib.mechanics.limit import limit_load
@@ -99,6 +100,9 @@ def test_a_load_in_the_file_may_be_left_out(tmp_path: Path) -> None:
     assert "--interfaces: needs a load" in found.output
     (tmp_path / "list.yaml").write_text("[1]")
     assert "must be a mapping" in run("assembly", str(tmp_path / "list.yaml"), "--reserve").output
+    cases = ROOT / "studies/structures/retaining.yaml"
+    found = run("assembly", str(cases), "--reserve", "--case", "crowd")
+    assert "--case: must not be given beside --reserve" in found.output
 
 
 def test_the_static_model_has_the_last_word(tmp_path: Path) -> None:

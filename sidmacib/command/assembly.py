@@ -74,6 +74,7 @@ def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
     Returns rows, at least one of which must have a number, or None; and whether the verdict is yes.
     """
     if wanted.without_load:
+        wanted.refuse("must not be given beside --reserve, which leaves out all loads", "case")
         description = without_loads(description)
     demands = demands_of(description, file.parent)
     if wanted.engines and not isinstance(demands[0].problem.loads, SupportMotion):
