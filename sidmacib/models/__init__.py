@@ -22,7 +22,7 @@ _OF_ANY_FAILURE = frozenset(
         *(Ability.FRICTION, Ability.RIGID, Ability.ELASTIC),
     }
 )
-_LAWS = (
+_RULES = (  # name, label, colour
     ("law", "law", OCHRE),
     ("safe", "safe rule", GREEN),
     ("characteristic", "characteristic resistance", GREY),
@@ -55,7 +55,7 @@ _ALL: tuple[Model, ...] = (
     ),
     *(
         FirstFailureLaw(name=name, label=label, colour=colour, abilities=_OF_ANY_FAILURE)
-        for name, label, colour in _LAWS
+        for name, label, colour in _RULES
     ),
     ClosedForm(
         name="sidmacib",
