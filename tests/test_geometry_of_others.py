@@ -253,6 +253,12 @@ def test_a_file_without_supports_is_told_how_to_name_them() -> None:
     )
 
 
+def test_a_tolerance_of_0_is_refused_not_ignored() -> None:
+    ended = run("assembly", str(CASES / "cra_plain.json"), "--tolerance", "0")
+    assert ended.exit_code == 2
+    assert "tolerance: 0.0 is not allowed" in ended.output
+
+
 def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> None:
     given = json.loads((CASES / "cra_plain.json").read_text())
     graph = given["data"]["graph"]["data"]

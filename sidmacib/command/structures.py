@@ -45,8 +45,8 @@ def added_keys(
     if fixed is not None:
         of_blocks["fixed"] = [name.strip() for name in fixed.split(",")]
     laws = {"friction": friction, "from_file": from_file or None}
-    added = {"blocks": _given(of_blocks), "interfaces": _given(laws), "tolerance": tolerance}
-    return {key: value for key, value in added.items() if value}
+    sections = {"blocks": _given(of_blocks) or None, "interfaces": _given(laws) or None}
+    return _given({**sections, "tolerance": tolerance})
 
 
 def _given(values: Mapping[str, object]) -> dict[str, object]:
