@@ -215,29 +215,6 @@ def test_a_case_survives_json_exactly(
     json.loads(case.to_json(), parse_constant=pytest.fail)  # what other readers know as JSON
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda data: data.pop("mesh"),
-        lambda data: data.update(more=1),
-        lambda data: data.update(mesh="0.02"),
-        lambda data: data.update(mesh=True),
-        lambda data: data.update(mesh=math.nan),
-        lambda data: data["joint"].update(locks=3.0),
-        lambda data: data["joint"].update(failure="soft"),
-        lambda data: data.update(joint=None),
-        lambda data: data["joint"].update(different={}),
-        lambda data: data["joint"].update(different=[[2]]),
-        lambda data: data["joint"].update(different=[[2, {}]]),
-    ],
-)
-def test_what_is_not_a_case_is_refused(change: Any) -> None:
-    data = json.loads(cases_of(read_study(ONE))["yade", "n3-mesh0.02-e0a"].to_json())
-    change(data["subject"])
-    with pytest.raises(ValueError, match=r"^not a case: "):
-        Case.from_json(json.dumps(data))
-
-
 # --- many ----------------------------------------------------------------------------------------
 def many(samples: int, ratios: int) -> dict[str, Any]:
     return {
