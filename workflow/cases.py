@@ -1,11 +1,10 @@
 """The cases of a study: one model each, of one joint, mesh and direction, or of one structure."""
 
 import difflib
-from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
 from functools import cache
 from itertools import product
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.engine import Engine
@@ -42,6 +41,7 @@ MAX_CASES = 1_000_000
 DEAR = 10.0  # largest cost of an extra finer mesh, over that of the study's finest mesh
 BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of rigid ones 1
 WHOLE = 0.999  # of a side: a mesh must be less than it
+Value = TypeVar("Value", str, float)
 
 
 def cases_of(study: Study) -> dict[CaseId, JointCase]:
@@ -66,112 +66,71 @@ def cases_of(study: Study) -> dict[CaseId, JointCase]:
 
 def case_count(study: Study) -> int:
     """The number of cases of ``study``, without building them."""
-    joint = _joints(study)
-    return sum(
-        len(_levels(study, joint(sample, run.variant), run, sample))
-        * len(_ratios(study, run, sample))
-        for run, sample in _runs(study, study.model_names)
-    )
+    runs = _runs(study, study.model_names)
+    return sum(len(run.meshes) * len(run.ratios) for run in runs)
 
 
 def _cases(study: Study, models: Sequence[str]) -> Iterator[JointCase]:
-    joint = _joints(study)
-
-    @cache
-    def loading(ratio: float, assembly: AssemblySection) -> Loading:
-        return Loading(Direction(ratio), assembly.load_share, assembly.push)
-
-    for run, sample in _runs(study, models):
+    for run in _runs(study, models):
         numerics = _changed(study.dem.numerics, run.change.numerics)
-        for mesh in _levels(study, joint(sample, run.variant), run, sample):
-            for ratio in _ratios(study, run, sample):
-                name = case_name(sample, mesh, ratio, run.variant)
-                yield Case(
-                    name=name,
-                    model=run.model.name,
-                    variant=run.variant,
-                    subject=JointSubject(
-                        sample=sample,
-                        joint=joint(sample, run.variant),
-                        mesh=mesh,
-                        nodes=run.nodes,
-                        loading=loading(ratio, run.assembly),
-                    ),
-                    numerics=run.model.numerics(
-                        _changed(numerics, study.overrides.get(name, NumericsChanges())).numerics()
-                    )
-                    if isinstance(run.model, Engine)
-                    else None,
-                )
+        share, push = run.assembly.load_share, run.assembly.push
+        loadings = [Loading(Direction(ratio), share, push) for ratio in run.ratios]
+        for mesh, loading in product(run.meshes, loadings):
+            name = case_name(run.sample, mesh, loading.direction.eccentricity, run.variant)
+            subject = JointSubject(run.sample, run.joint, mesh, run.nodes, loading)
+            own = None
+            if isinstance(run.model, Engine):
+                changes = study.overrides.get(name, NumericsChanges())
+                own = run.model.numerics(_changed(numerics, changes).numerics())
+            yield Case(name, run.model.name, run.variant, subject, own)
 
 
-def _joints(study: Study) -> Callable[[str, str], Joint]:
-    """The joint of a sample under a variant, both by name."""
-    variants = study.every_variant
-    return cache(lambda sample, variant: study.joint(sample, variants[variant]))
-
-
-@dataclass(frozen=True)
-class _Run:
-    """A model with a variant: the changes of the variant, and the resulting assembly and nodes."""
+class _Run(NamedTuple):
+    """A model of a sample in a variant, and the meshes (m) and ratios e / a of its cases."""
 
     model: Model
     variant: str
     change: VariantSection
     assembly: AssemblySection
     nodes: NodeLayout
+    sample: str
+    joint: Joint
+    meshes: tuple[float, ...]
+    ratios: tuple[float, ...]
 
 
-def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
-    """Each model with the variants that change its results, and each sample that it can run."""
-    allowed = {name: sample.models or models for name, sample in study.samples.items()}
-    for model in (MODELS[name] for name in models):
-        if model.name in CLOSED_FORM:  # not of pieces
+def _runs(study: Study, models: Sequence[str]) -> Iterator[_Run]:
+    """Each model with the variants that change its results, on each sample that it can run."""
+    variants = study.every_variant
+    joint_of = cache(lambda sample, variant: study.joint(sample, variants[variant]))
+    pieces = [MODELS[name] for name in models if name not in CLOSED_FORM]
+    for model, (variant, change) in product(pieces, variants.items()):
+        reference = variant == REFERENCE
+        assembly, nodes = change.assembly(study.assembly), change.nodes or study.nodes
+        before = study.assembly, study.nodes, VariantSection().material
+        same = (assembly, nodes, change.material) == before
+        if same and not reference and model.name not in ENGINES:
             continue
-        for variant, change in study.every_variant.items():
-            assembly = change.assembly(study.assembly)
-            nodes = change.nodes or study.nodes
-            before = study.assembly, study.nodes, VariantSection().material
-            same = variant != REFERENCE and (assembly, nodes, change.material) == before
-            if same and model.name not in ENGINES:
+        for sample, section in study.samples.items():
+            part = section.only.get(model.name, PartSection())
+            if (
+                model.name not in (section.models or models)
+                or not (reference or _chosen([variant], part.variants))
+                or model.refusal(requirements(study, assembly, sample))
+            ):
                 continue
-            run = _Run(model, variant, change, assembly, nodes)
-            for sample in study.samples:
-                if (
-                    model.name in allowed[sample]
-                    and (
-                        variant == REFERENCE or _within(variant, _part(study, run, sample).variants)
-                    )
-                    and not model.refusal(requirements(study, assembly, sample))
-                ):
-                    yield run, sample
+            joint = joint_of(sample, variant)
+            meshes = _chosen(change.meshes or study.meshes, part.meshes)
+            if meshes and model.name in SOLVED:  # another one for the mesh error
+                other = second_mesh(joint, meshes, nodes)
+                meshes = meshes if other is None else (*meshes, other)
+            ratios = _chosen(change.eccentricities or study.eccentricities, part.eccentricities)
+            yield _Run(model, variant, change, assembly, nodes, sample, joint, meshes, ratios)
 
 
-def _part(study: Study, run: _Run, sample: str) -> PartSection:
-    """The parts of a sample that the model runs."""
-    return study.samples[sample].only.get(run.model.name, PartSection())
-
-
-def _within(value: object, chosen: Sequence[object] | None) -> bool:
-    return chosen is None or value in chosen
-
-
-def _ratios(study: Study, run: _Run, sample: str) -> tuple[float, ...]:
-    """Eccentricities of a sample, over a."""
-    chosen = _part(study, run, sample).eccentricities
-    every = run.change.eccentricities or study.eccentricities
-    return tuple(ratio for ratio in every if _within(ratio, chosen))
-
-
-def _levels(study: Study, joint: Joint, run: _Run, sample: str) -> tuple[float, ...]:
-    """Meshes (m) of a joint: the study's or variant's, and another one for the mesh error."""
-    chosen = _part(study, run, sample).meshes
-    every = run.change.meshes or study.meshes
-    meshes = tuple(mesh for mesh in every if _within(mesh, chosen))
-    if not meshes or run.model.name not in SOLVED:
-        return meshes
-    other = second_mesh(joint, meshes, run.nodes)
-    return meshes if other is None else (*meshes, other)
+def _chosen(values: Sequence[Value], chosen: Sequence[Value] | None) -> tuple[Value, ...]:
+    """Those of the ``values`` that are ``chosen``; None: all."""
+    return tuple(value for value in values if chosen is None or value in chosen)
 
 
 def second_mesh(joint: Joint, meshes: Collection[float], nodes: NodeLayout) -> float | None:
@@ -251,20 +210,15 @@ def find_case(study: Study, name: str, model: str | None = None) -> JointCase:
 
 def structure_cases(study: Study) -> Iterator[StructureCase]:
     """Each structure with each load and variant, in each of its models."""
-    numerics = study.dem.numerics.numerics()
-    for name, section in study.structures.items():
-        for model in models_of(study, section):
-            engine = ENGINES.get(model)
-            for load, variant, description in section.described():
-                if moves_support(description):
-                    continue
-                yield Case(
-                    name=structure_case_name(name, load, variant),
-                    model=model,
-                    variant=variant,
-                    subject=StructureSubject(name, load, description),
-                    numerics=engine.numerics(numerics) if engine else None,
-                )
+    given = study.dem.numerics.numerics()
+    for structure, section in study.structures.items():
+        models = models_of(study, section)
+        for model, (load, variant, description) in product(models, section.described()):
+            if not moves_support(description):
+                name = structure_case_name(structure, load, variant)
+                subject = StructureSubject(structure, load, description)
+                numerics = ENGINES[model].numerics(given) if model in ENGINES else None
+                yield Case(name, model, variant, subject, numerics)
 
 
 def support_cases(study: Study) -> Iterator[tuple[StructureSubject, str, bool]]:
