@@ -13,9 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.engines import ENGINES
-from sidmacib.mechanics.assembly import Failure
-from sidmacib.model import Ability
-from sidmacib.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
+from sidmacib.models import REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.case import (
     Case,
     CaseId,
@@ -63,13 +61,6 @@ class CaseJobs:
     returned: Mapping[str, JointCase]
     decks: Mapping[str, JointCase]
 
-    @property
-    def folders(self) -> dict[str, str]:
-        """The folder of the job of each case, by the folder of the case."""
-        alone = (*self.engines, *self.returned)
-        solved = ((case, batch) for batch, cases in self.batches.items() for case in cases)
-        return {**dict(zip(alone, alone, strict=True)), **{c.folder: batch for c, batch in solved}}
-
 
 def case_jobs(study: Study) -> CaseJobs:
     """All cases of ``study``; results returned from 3DEC count like those of any other model."""
@@ -110,14 +101,11 @@ def reference_cases(cases: Iterable[JointCase]) -> list[JointCase]:
     """
     cases = list(cases)
     series: dict[str, dict[float, JointCase]] = {}
-    able = MODELS[REFERENCE_MODEL].abilities
     for case in cases:
-        ductile = case.subject.joint.failure is Failure.DUCTILE
-        if case.model not in ENGINES or (ductile and Ability.DUCTILE not in able):
-            continue
-        reference = replace(case, model=REFERENCE_MODEL, numerics=None)
-        by_mesh = series.setdefault(case.subject.series(), {})
-        by_mesh.setdefault(case.subject.mesh, reference)
+        if case.model in ENGINES:
+            reference = replace(case, model=REFERENCE_MODEL, numerics=None)
+            by_mesh = series.setdefault(case.subject.series(), {})
+            by_mesh.setdefault(case.subject.mesh, reference)
     for by_mesh in series.values():
         (case, *_) = by_mesh.values()
         subject = case.subject
@@ -151,28 +139,27 @@ def _batch_name(digest: str, bits: int) -> str:
     """A name made from the first ``bits`` of a hexadecimal ``digest``."""
     if bits == 0:
         return "batch"
-    digits = -(-bits // 4)
-    number = int(digest[:digits], 16) >> (4 * digits - bits)
-    return f"batch-{number:0{digits}x}"
+    number = int(digest, 16) >> (4 * len(digest) - bits)
+    return f"batch-{number:0{math.ceil(bits / 4)}x}"
 
 
 @dataclass(frozen=True)
 class Resources:
     """Memory (MB), and time (s) on one core of this machine."""
 
-    memory: int = 2 * LEAST_MB
-    time: float = 120.0
+    memory: int
+    time: float
 
     @property
     def short(self) -> bool:
         """Whether a separate job would mostly wait in the queue."""
         return self.time < SHORT
 
-    def minutes(self, attempt: int = 1) -> int:
+    def minutes(self, attempt: int) -> int:
         """Time to request, with a margin; doubled at each further ``attempt``."""
         return math.ceil((START + MARGIN * self.time) * 2 ** (attempt - 1) / 60.0)
 
-    def megabytes(self, attempt: int = 1) -> int:
+    def megabytes(self, attempt: int) -> int:
         """Memory to request; doubled at each further ``attempt``."""
         return int(self.memory * 2 ** (attempt - 1))
 

@@ -32,23 +32,10 @@ def of_engine(case):
     return engine_resources(case, STUDY.dem.time_limit)
 
 
-def asks_of_engine(wildcards):
-    return of_engine(engine_case(wildcards))
-
-
-def asks_of_batch(wildcards):
-    return solved_resources(batch(wildcards))
-
-
 def engine_sources(wildcards):
     """What an engine's job runs beside its script: modules, and files."""
     modules, files = sources(engine_of(wildcards))
     return (*modules, *engine_case(wildcards).subject.modules), files
-
-
-def batch_modules(wildcards):
-    """What the job of a batch runs beside its script."""
-    return module_of(wildcards), *batch(wildcards)[0].subject.modules
 
 
 @functools.cache
@@ -79,7 +66,7 @@ rule engine:
         group_of_job
     threads: lambda wildcards: engine_case(wildcards).numerics.ranks
     resources:
-        **asks(asks_of_engine),
+        **asks(lambda wildcards: of_engine(engine_case(wildcards))),
         time_limit=TIME_LIMIT,
     params:
         case=lambda wildcards: engine_case(wildcards).to_json(),
@@ -105,11 +92,13 @@ rule solve:
     group:
         group_of_job
     resources:
-        **asks(asks_of_batch),
+        **asks(lambda wildcards: solved_resources(batch(wildcards))),
     params:
         cases=lambda wildcards: [case.to_json() for case in batch(wildcards)],
         module=module_of,
-        code=lambda wildcards: code("workflow.solve", batch_modules(wildcards)),
+        code=lambda wildcards: code(
+            "workflow.solve", (module_of(wildcards), *batch(wildcards)[0].subject.modules)
+        ),
     message:
         "{wildcards.job}"
     script:
@@ -140,8 +129,12 @@ rule returned:
 
 
 RECORDS = {  # where the record of a case is, by the folder of the case
-    folder: below(f"{job}/{BATCH_RECORDS if job in JOBS.batches else RECORD}")
-    for folder, job in JOBS.folders.items()
+    **{job: below(f"{job}/{RECORD}") for job in (*JOBS.engines, *JOBS.returned)},
+    **{
+        case.folder: below(f"{job}/{BATCH_RECORDS}")
+        for job, cases in JOBS.batches.items()
+        for case in cases
+    },
 }
 OF_CASES = [
     *dict.fromkeys(RECORDS.values()),
