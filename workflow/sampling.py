@@ -10,7 +10,7 @@ cohesion: first failures over T0 depend on nothing else except the weight, which
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -201,19 +201,9 @@ def _record(one: SampledJoint, ratio: float, cells: int, model: str) -> JointRec
     """The checked result of a model, on a mesh of so many cells along the shorter side."""
     joint, mesh = one.joint, BELOW * one.joint.least_side / cells
     name = f"d{one.number}"
-    case = Case(
-        name=case_name(name, mesh, ratio),
-        model=model,
-        variant=REFERENCE,
-        subject=JointSubject(
-            sample=name,
-            joint=joint,
-            mesh=mesh,
-            nodes=NodeLayout.LOBATTO,
-            loading=Loading(Direction(ratio), push=one.push),
-        ),
-        numerics=None,
-    )
+    loading = Loading(Direction(ratio), push=one.push)
+    subject = JointSubject(name, joint, mesh, NodeLayout.LOBATTO, loading)
+    case = Case(case_name(name, mesh, ratio), model, REFERENCE, subject, None)
     return solved(case, SOLVED[model])[0]
 
 
@@ -221,7 +211,7 @@ def _loads(joint: Joint, coarse: JointRecord, fine: JointRecord) -> dict[str, An
     """First failure and peak on the finer mesh, over T0, with their mesh errors, and weights."""
     assert coarse.load_N and fine.load_N and fine.first_failure_load_N is not None
     assert coarse.first_failure_load_N is not None
-    weights = [asdict(each) for each in fine.part.weights]
+    weights = fine.part.weights
     return {
         "first_failure": fine.first_failure_load_N / joint.T0,
         "peak": fine.load_N / joint.T0,
@@ -229,8 +219,8 @@ def _loads(joint: Joint, coarse: JointRecord, fine: JointRecord) -> dict[str, An
         "peak_mesh_error": coarse.load_N / fine.load_N - 1.0,
         "mode": fine.mode,
         "unbalanced_share": fine.unbalanced_share,
-        "weight_sum": math.fsum(each["weight"] for each in weights),
-        "lower_weight_sum": math.fsum(e["weight"] for e in weights if e["block"] == "lower"),
+        "weight_sum": math.fsum(each.weight for each in weights),
+        "lower_weight_sum": math.fsum(e.weight for e in weights if e.block == "lower"),
     }
 
 

@@ -1,5 +1,5 @@
 # The law for the joints of the samplings, and its tables and figures.
-OF_LAW = [below(f"law/{name}-{batch}.parquet") for name, batch in STARTS]
+OF_LAW = [below(f"law/{name}-{batch}.parquet") for name, batch in BATCHES]
 
 
 rule law:

@@ -1,46 +1,30 @@
 # Included if the study has samplings: batches of their joints, and a table of all batches.
-import json
-from dataclasses import asdict
-
+from sidmacib.validation import plain
 from workflow.jobs import sampling_resources
 
 JOINTS = 64  # per batch of a sampling
-STARTS = {  # the first joint of each batch, by sampling and number of the batch
-    (name, f"{number:04}"): start
+BATCHES = {  # the numbers of the joints of each batch, by sampling and number of the batch
+    (name, f"{number:04}"): range(start, min(start + JOINTS, sampling.joints))
     for name, sampling in STUDY.samplings.items()
     for number, start in enumerate(range(0, sampling.joints, JOINTS))
 }
-OF_SAMPLINGS = [below(f"sampling/{name}-{batch}.parquet") for name, batch in STARTS]
+OF_SAMPLINGS = [below(f"sampling/{name}-{batch}.parquet") for name, batch in BATCHES]
 
 
 def sampling_of(wildcards):
     return STUDY.samplings[wildcards.sampling]
 
 
-def first_joint(wildcards):
-    return STARTS[wildcards.sampling, wildcards.batch]
-
-
-def joint_after(wildcards):
-    """The first joint after a batch."""
-    return min(first_joint(wildcards) + JOINTS, sampling_of(wildcards).joints)
-
-
-def of_joints(wildcards):
-    return sampling_resources(joint_after(wildcards) - first_joint(wildcards))
-
-
-def plain(value):
-    """A dataclass as plain data."""
-    return json.loads(json.dumps(asdict(value)))
+def joints_of(wildcards):
+    return BATCHES[wildcards.sampling, wildcards.batch]
 
 
 JOINTS_OF_BATCH = {  # parameters of a step for the joints of a batch
     "name": lambda wildcards: wildcards.sampling,
     "sampling": lambda wildcards: sampling_of(wildcards).parameters(),
     "base": lambda wildcards: plain(STUDY.base_joint),
-    "start": first_joint,
-    "stop": joint_after,
+    "start": lambda wildcards: joints_of(wildcards).start,
+    "stop": lambda wildcards: joints_of(wildcards).stop,
     "eccentricities": lambda wildcards: sampling_of(wildcards).eccentricities
     or STUDY.eccentricities,
 }
@@ -59,7 +43,7 @@ rule sampling:
     group:
         "cases"
     resources:
-        **asks(of_joints),
+        **asks(lambda wildcards: sampling_resources(len(joints_of(wildcards)))),
     params:
         **JOINTS_OF_BATCH,
         cells=lambda wildcards: sampling_of(wildcards).cells,
