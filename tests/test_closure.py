@@ -42,7 +42,7 @@ print("\\n".join(sorted(name for name in opened if name.startswith(root + "/")))
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A project of four modules."""
     monkeypatch.setattr(module, "ROOT", tmp_path)
-    for name in ("_imports", "_tree", "_tree_digest", "_content_digest", "closure", "source"):
+    for name in ("_imports", "_tree", "_tree_digest", "closure", "source"):
         monkeypatch.setattr(module, name, getattr(module, name).__wrapped__)
     (tmp_path / "workflow").mkdir()
     for name, text in {

@@ -8,6 +8,7 @@ import ast
 import hashlib
 from collections.abc import Iterable, Iterator
 from functools import cache
+from importlib.util import resolve_name
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -32,8 +33,8 @@ def code_digest(modules: Iterable[str], files: Iterable[str] = ()) -> str:
     """Digest of all code that ``modules`` may run, and of ``files``, paths below `ROOT`."""
     names = sorted(set().union(*map(closure, modules)))
     parts = [f"{name} {_tree_digest(name)}" for name in names]
-    parts += [f"{name} {_content_digest(name)}" for name in sorted(files)]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+    parts += [f"{name} {_digest((ROOT / name).read_bytes())}" for name in sorted(files)]
+    return _digest("\n".join(parts).encode())
 
 
 @cache
@@ -55,15 +56,13 @@ def _parents(module: str) -> Iterator[str]:
 @cache
 def _imports(module: str) -> tuple[str, ...]:
     names: list[str] = []
-    path, inside = source(module), module.split(".")
-    inside += ["__init__"] * (path is not None and path.name == "__init__.py")
+    is_package = str(source(module)).endswith("__init__.py")
+    package = module if is_package else module.rpartition(".")[0]
     for node in _statements(_tree(module)):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            # Relative imports start at the package of the module, or at one above it.
-            above = inside[: -node.level] if node.level else []
-            base = ".".join([*above, *([node.module] if node.module else [])])
+            base = resolve_name("." * node.level + (node.module or ""), package)
             names.append(base)
             # A name imported from a package may be one of its modules.
             names += [f"{base}.{alias.name}" for alias in node.names]
@@ -89,9 +88,8 @@ def _tree(module: str) -> ast.Module:
 
 @cache
 def _tree_digest(module: str) -> str:
-    return hashlib.sha256(ast.dump(_tree(module)).encode()).hexdigest()
+    return _digest(ast.dump(_tree(module)).encode())
 
 
-@cache
-def _content_digest(name: str) -> str:
-    return hashlib.sha256((ROOT / name).read_bytes()).hexdigest()
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
