@@ -57,23 +57,16 @@ def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]
     Files of structures are read too. Raises `ConfigError` if a file cannot be read; `read_study`
     checks whether it is a study.
     """
-    return _with_descriptions(_merged(read_config_text(path), changes), path)
-
-
-def read_config_text(path: Path) -> dict[str, Any]:
-    """The keys and values in the YAML file ``path``; raises `ConfigError`."""
     try:
         config = read_yaml(path)
     except TextError as error:
         raise ConfigError(f"{_named(path)}: {error}") from None
-    if config is None:
-        return {}
-    if not isinstance(config, dict):
+    if not isinstance(config, dict | None):
         raise ConfigError(
             f"{_named(path)}: {shown(config)} is not a study; it must be a mapping of keys to "
             "values"
         )
-    return config
+    return _with_descriptions(_merged(config or {}, changes), path)
 
 
 def read_study(config: Mapping[str, Any]) -> Study:

@@ -42,7 +42,7 @@ def inconsistencies(study: Study) -> Iterator[str]:
         try:
             joints[name] = study.joint(name)
         except ValueError as error:
-            yield f"samples.{name}: {' '.join(str(error).split())}"
+            yield f"samples.{name}: {_in_a_line(error)}"
     yield from _joints(study, joints)
     yield from _lists(study)
     layouts = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]

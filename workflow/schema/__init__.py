@@ -85,11 +85,9 @@ class MeasuredLoad(Section):
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
-        needed = "torque" if math.isinf(self.eccentricity) else "shear"
-        if needed == "shear" and self.eccentricity > 0.0 and self.shear is None:
-            needed = "torque"
-        other = {"shear": "torque", "torque": "shear"}[needed]
-        if getattr(self, needed) is None or getattr(self, other) is not None:
+        always_zero = {0.0: "torque", math.inf: "shear"}.get(self.eccentricity)
+        given = [name for name in ("shear", "torque") if getattr(self, name) is not None]
+        if len(given) != 1 or given == [always_zero]:
             raise ValueError(
                 "one of shear (N) and torque (N m) must be given, shear alone where the "
                 "eccentricity is 0, torque alone in torsion"
