@@ -5,16 +5,14 @@ equilibrium has two files, pieces and nodes, and two collections (`.pvd`) put th
 their load. A case of a structure has two files, from its record: blocks and interfaces.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import meshio
 import numpy as np
 
 from sidmacib.engines.results import force_to_stress
-from sidmacib.joint.loading import posed
 from sidmacib.joint.pieces import upper_block
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Kind, Piece
 from sidmacib.mechanics.equilibrium import face_frames
@@ -34,7 +32,7 @@ NUMBERS = (
     *("normal_N", "shear_N", "torsion_Nm", "bending_Nm", "utilisation", "bonded_share"),
     "area_m2",
 )
-Cell = tuple[str, Any]  # kind, and numbers of points, (1, K)
+Shape = tuple[str, Floats]  # kind of a cell, and its corners in m, (K, 3)
 
 
 def write_path(case: JointCase, folder: Path) -> list[Path]:
@@ -42,17 +40,16 @@ def write_path(case: JointCase, folder: Path) -> list[Path]:
 
     `sidmacib.errors.CapacityError` if the joint carries nothing.
     """
-    subject = case.subject
-    problem = posed(subject.joint, subject.loading, subject.mesh, subject.nodes)
+    problem = case.subject.problem()
     assembly, solution = problem.assembly, lowest_peak(*problem)
-    above = set(upper_block(subject.joint))
+    above = set(upper_block(case.subject.joint))
     upper = [np.array([float(piece.name in above)]) for piece in assembly.pieces]
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.vtu"):
         old.unlink()
     files: dict[str, list[tuple[float, str]]] = {"pieces": [], "nodes": []}
     for number, point in enumerate(solution.path):
-        moved = displacements(assembly, point, rigid=subject.joint.elastic is None)
+        moved = displacements(assembly, point)
         pieces = pieces_mesh(assembly, moved, "piece")
         pieces.cell_data["upper"] = upper
         for kind, mesh in (("pieces", pieces), ("nodes", nodes_mesh(assembly, point))):
@@ -68,32 +65,25 @@ def pieces_mesh(assembly: Assembly, moved: Floats, name: str) -> meshio.Mesh:
     Cuboids are hexahedra, others the polygons of their faces. ``moved``: displacement (m) and
     rotation of each piece, (P, 6).
     """
-    points: list[Floats] = []
+    shapes: list[Shape] = []
     shifts: list[Floats] = []
-    cells: list[Cell] = []
     numbers: list[Floats] = []
     for number, (piece, motion) in enumerate(zip(assembly.pieces, moved, strict=True)):
         for kind, corners in _shapes(piece):
-            cells.append(_cell(kind, sum(map(len, points)), len(corners)))
-            points.append(corners)
+            shapes.append((kind, corners))
             shifts.append(motion[:3] + np.cross(motion[3:], corners - piece.centre))
             numbers.append(np.array([float(number)]))
-    return meshio.Mesh(
-        np.vstack(points),
-        cells,
-        point_data={"displacement_m": np.vstack(shifts)},
-        cell_data={name: numbers},
-    )
+    return _mesh(shapes, {"displacement_m": np.vstack(shifts)}, {name: numbers})
 
 
-def _shapes(piece: Piece) -> Iterator[tuple[str, Floats]]:
-    """The cells of a piece: kind, and corners in m, (K, 3)."""
+def _shapes(piece: Piece) -> Iterator[Shape]:
+    """The cells of a piece."""
     if isinstance(piece, Cuboid):
         low, high = np.array(piece.low), np.array(piece.high)
         yield "hexahedron", low + CORNERS * (high - low)
     for solid in solids_of(piece):
         for outline in solid.outlines:
-            yield _polygon(len(outline)), outline
+            yield _polygon(outline)
 
 
 def nodes_mesh(assembly: Assembly, point: Equilibrium) -> meshio.Mesh:
@@ -114,39 +104,44 @@ def nodes_mesh(assembly: Assembly, point: Equilibrium) -> meshio.Mesh:
     )
 
 
-def displacements(assembly: Assembly, point: Equilibrium, rigid: bool = True) -> Floats:
+def displacements(assembly: Assembly, point: Equilibrium) -> Floats:
     """Displacement (m) and rotation of each piece, shape (P, 6); none of fixed or elastic ones."""
     moved = np.zeros((len(assembly.pieces), 6))
-    free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
-    if rigid:
+    if not assembly.elastic:
+        free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
         moved[free] = point.unknowns.reshape(len(free), 6)
     return moved
 
 
 def interfaces_mesh(assembly: Assembly, rows: Sequence[InterfaceRow]) -> meshio.Mesh:
     """The interfaces as polygons, with what they carry; nan where there are no ``rows``."""
-    points: list[Floats] = []
-    cells: list[Cell] = []
+    shapes = []
     for face in assembly.faces:
         assert isinstance(face, Polygon)
-        cells.append(_cell(_polygon(len(face.corners)), sum(map(len, points)), len(face.corners)))
-        points.append(face.corners)
-    known: Sequence[InterfaceRow | None] = rows or [None] * len(cells)
-    # A block of cells for each; None becomes nan.
-    data = {
+        shapes.append(_polygon(face.corners))
+    known: Sequence[InterfaceRow | None] = rows or [None] * len(shapes)
+    data = {  # None becomes nan
         name: [np.array([getattr(row, name, None)], dtype=float) for row in known]
         for name in NUMBERS
     }
-    return meshio.Mesh(np.vstack(points), cells, cell_data=data)
+    return _mesh(shapes, {}, data)
 
 
-def _polygon(corners: int) -> str:
-    return {3: "triangle", 4: "quad"}.get(corners, "polygon")
+def _polygon(corners: Floats) -> Shape:
+    return {3: "triangle", 4: "quad"}.get(len(corners), "polygon"), corners
 
 
-def _cell(kind: str, first: int, corners: int) -> Cell:
-    """A cell of so many ``corners``, whose points begin with the ``first``."""
-    return kind, np.arange(first, first + corners).reshape(1, -1)
+def _mesh(
+    shapes: Sequence[Shape],
+    point_data: Mapping[str, Floats],
+    cell_data: Mapping[str, Sequence[Floats]],
+) -> meshio.Mesh:
+    """A mesh of cells that share no points; the data of each cell are a block of their own."""
+    points = np.vstack([corners for _, corners in shapes])
+    ends = np.cumsum([len(corners) for _, corners in shapes])
+    numbers = np.split(np.arange(len(points)), ends[:-1])
+    cells = [(kind, own[np.newaxis]) for (kind, _), own in zip(shapes, numbers, strict=True)]
+    return meshio.Mesh(points, cells, point_data, cell_data)
 
 
 def _collection(path: Path, files: list[tuple[float, str]]) -> Path:

@@ -7,7 +7,6 @@ import numpy as np
 
 from analysis.static_path import behind, path_again
 from analysis.vtk import displacements
-from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
@@ -84,7 +83,7 @@ def path_of(case: JointCase) -> dict[str, Any] | None:
             }
             for index, own in zip(faces, nodes, strict=True)
         ],
-        "steps": [_step(path[place], assembly, joint, faces, nodes) for place in chosen],
+        "steps": [_step(path[place], assembly, faces, nodes) for place in chosen],
     }
 
 
@@ -108,11 +107,11 @@ def pieces_of(case: JointCase) -> list[dict[str, Any]]:
 
 
 def _step(
-    point: Equilibrium, assembly: Assembly, joint: Joint, faces: list[int], nodes: list[Integers]
+    point: Equilibrium, assembly: Assembly, faces: list[int], nodes: list[Integers]
 ) -> dict[str, Any]:
     shear = np.hypot(point.force[:, 1], point.force[:, 2]) / assembly.nodes.area
     bonded = point.state.bonded
-    moved = displacements(assembly, point, rigid=joint.elastic is None)
+    moved = displacements(assembly, point)
     return {
         "load": float(f"{point.load:.6g}"),
         "shear": [

@@ -112,7 +112,7 @@ def moved(points: Floats, centre: Floats, move: Floats, scale: float) -> Floats:
 def draw(axes: Axes, film: Film, point: Equilibrium, scale: float) -> None:
     """The locks from below, moved, with the shear over the cohesion at the nodes of their faces."""
     joint, assembly = film.joint, film.assembly
-    moves = displacements(assembly, point, rigid=True)
+    moves = displacements(assembly, point)
     upper = set(upper_block(joint))
     numbers = lock_faces(joint)
     shear = np.hypot(point.force[:, 1], point.force[:, 2]) / assembly.nodes.area
@@ -151,7 +151,7 @@ def draw_film(film: Film, path: Path) -> None:
     """Write the film as a GIF that is played three times."""
     joint, share = film.joint, 1.0 / np.hypot(1.0, RATIO)
     every = [*film.path, *film.behind]
-    moves = [displacements(film.assembly, point, rigid=True)[:, :2] for point in film.path]
+    moves = [displacements(film.assembly, point)[:, :2] for point in film.path]
     farthest = max(float(np.abs(move).max()) for move in moves)
     scale = WIDEST * joint.b / farthest
     figure = Figure(figsize=(8.4, 3.1), dpi=100)
