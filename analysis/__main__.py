@@ -17,7 +17,7 @@ from workflow.command import (
     study_with_joints,
     use_writable_caches,
 )
-from workflow.configuration import CallError, ConfigError
+from workflow.configuration import CallError
 from workflow.results import RECORD, read_records
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
@@ -30,7 +30,7 @@ def run_case(config: Path, results: str | None, name: str, model: str | None) ->
     study = study_with_joints(config, results)
     use_writable_caches(Path(study.results))  # before importing modules that compile code
     if model in CLOSED_FORM:
-        return _rule(study, name, model)
+        return _rule(study, find_place(study, name), name, model)
     chosen = find_case(study, name, model)
     folder = Path(study.results, chosen.folder)
     if chosen.model in ENGINES and (missing := ENGINES[chosen.model].missing()):
@@ -49,14 +49,12 @@ def run_case(config: Path, results: str | None, name: str, model: str | None) ->
     return None
 
 
-def _rule(study: Study, name: str, model: str) -> str | None:
+def _rule(study: Study, place: Place, name: str, model: str) -> str | None:
     """Print the result of a closed-form rule for a case; returns an error message, or None."""
     from analysis.tables.capacity import NO_ANSWER
 
     try:
-        print(f"{name}, {describe_rule(study, model, find_place(study, name))}")
-    except ConfigError:
-        raise
+        print(f"{name}, {describe_rule(study, model, place)}")
     except NO_ANSWER as error:
         return f"{name} ({model}): no result: {error}"
     return None

@@ -73,20 +73,18 @@ def rule_errors(
 ) -> list[RuleError]:
     """Each rule's error for each sample, rule by rule, against the sample's ``leading`` model.
 
-    ``tables``: fit, capacity and cases. ``mesh``: the one that is compared at (m).
+    ``tables``: fit and capacity. ``mesh``: the one that is compared at (m).
     """
     capacity = tables["capacity"]
-    ratio = ratios(tables["cases"])
-    fit = tables["fit"]
-    at_mesh = fit[np.isclose(fit["mesh_m"], mesh)]
+    fit = of_leading(tables["fit"], leading, mesh)
     found = []
-    for reduction in fit["reduction"].unique():
-        for row in safest(at_mesh, leading, reduction):
-            error, case, mesh_error = least_safe(capacity, row)
-            place = row["sample"], ratio[case], mesh_error
+    for reduction in tables["fit"]["reduction"].unique():
+        for row in safest(fit[fit["reduction"].eq(reduction)]):
+            error, ratio, mesh_error = least_safe(capacity, row)
+            place = row["sample"], ratio, mesh_error
             found.append(RuleError(reduction, error, *place, row["option"], bool(row["friction"])))
     for model in OTHERS:
-        found += _of_model(model, capacity[np.isclose(capacity["mesh_m"], mesh)], leading, ratio)
+        found += _of_model(model, capacity[np.isclose(capacity["mesh_m"], mesh)], leading)
     return found
 
 
@@ -99,18 +97,16 @@ def worst_of(errors: Sequence[RuleError]) -> list[RuleError]:
     ]
 
 
-def safest(fit: pd.DataFrame, leading: Mapping[str, str], reduction: str) -> Iterator[pd.Series]:
-    """The best safe row of each sample by ``reduction``, else the least unsafe."""
-    rows = fit[fit["reduction"].eq(reduction) & fit["model"].eq(fit["sample"].map(leading))]
-    for sample in rows["sample"].unique():
-        sample_rows = rows[rows["sample"] == sample]
+def safest(fit: pd.DataFrame) -> Iterator[pd.Series]:
+    """The best safe row of each sample in fits by one rule, else the least unsafe."""
+    for _, sample_rows in fit.groupby("sample", sort=False):
         safe = sample_rows[sample_rows["largest_unsafe_error"] <= PEAK_ACCURACY]
         by = "largest_unsafe_error" if safe.empty else "misfit"
         yield (sample_rows if safe.empty else safe).sort_values(by, kind="stable").iloc[0]
 
 
-def least_safe(capacity: pd.DataFrame, row: pd.Series) -> tuple[float, str, float]:
-    """The largest error of a row of fits, the case that has it, and the mesh error there."""
+def least_safe(capacity: pd.DataFrame, row: pd.Series) -> tuple[float, float, float]:
+    """The largest error of a row of fits, the ratio e / a that has it, and the mesh error there."""
     same = capacity[capacity["sample"].eq(row["sample"])]
     same = same[np.isclose(same["mesh_m"], row["mesh_m"])]
     carried = same[same["model"].eq(row["model"]) & same["variant"].eq(REFERENCE)]
@@ -124,7 +120,7 @@ def least_safe(capacity: pd.DataFrame, row: pd.Series) -> tuple[float, str, floa
 
 
 def _of_model(
-    model: str, capacity: pd.DataFrame, leading: Mapping[str, str], ratio: Mapping[str, float]
+    model: str, capacity: pd.DataFrame, leading: Mapping[str, str]
 ) -> Iterator[RuleError]:
     """The error of a model for each sample where it is not the leading one."""
     here = capacity[capacity["variant"].eq(REFERENCE)]
@@ -136,15 +132,15 @@ def _of_model(
         )
         if first == model or not set(promised["case"]) & set(carried["case"]):
             continue
-        error, case, mesh_error = _largest(promised, carried)
-        yield RuleError(model, error, sample, ratio[case], mesh_error)
+        error, ratio, mesh_error = _largest(promised, carried)
+        yield RuleError(model, error, sample, ratio, mesh_error)
 
 
-def _largest(promised: pd.DataFrame, carried: pd.DataFrame) -> tuple[float, str, float]:
+def _largest(promised: pd.DataFrame, carried: pd.DataFrame) -> tuple[float, float, float]:
     by_case = carried.set_index("case")
     error = (promised.set_index("case")["load_N"] / by_case["load_N"] - 1.0).dropna()
-    case = str(error.idxmax())
-    return float(error.max()), case, float(by_case["mesh_error"][case])
+    worst = by_case.loc[error.idxmax()]
+    return float(error.max()), float(worst["eccentricity_over_a"]), float(worst["mesh_error"])
 
 
 def direction_words(ratio: float) -> str:
@@ -182,17 +178,17 @@ def answers(
     """The answers, at the finest ``mesh`` (m); ``leading``: see the summary."""
     yield from _half(tables, leading, mesh)
     yield from _locks(tables["best_fit"], leading, mesh)
-    yield from _design(tables["capacity"], ratios(tables["cases"]))
+    yield from _design(of_cases(tables))
     yield from _option(tables["fit"], leading, mesh)
     yield from _published(tables["validation"], leading, mesh)
     yield from _engines(tables["cases"])
     yield from _mesh(tables["capacity"], mesh)
 
 
-def ratios(cases: pd.DataFrame) -> dict[str, float]:
-    """The ratio e / a of each direction of loading, by case; infinite for torsion."""
-    selected = cases.drop_duplicates("case")
-    return dict(zip(selected["case"], selected["eccentricity_over_a"], strict=True))
+def of_cases(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """The capacities where there are cases: not of a sample whose engines are all missing."""
+    capacity = tables["capacity"]
+    return capacity[capacity["case"].isin(tables["cases"]["case"])]
 
 
 def percent(share: float) -> str:
@@ -250,36 +246,41 @@ def worst_by_friction(
     return found | ({" with another friction": other} if other.error > first.error else {})
 
 
+def of_leading(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> pd.DataFrame:
+    """The rows of each sample's ``leading`` model at a ``mesh`` (m)."""
+    own = table["model"].eq(table["sample"].map(leading))
+    return table[own & np.isclose(table["mesh_m"], mesh)]
+
+
 def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
     """The number of locks that fits best, which need not be whole."""
-    selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
-    selected = selected[selected["model"] == selected["sample"].map(leading)]
+    selected = of_leading(best[best["friction"].eq(False)], leading, mesh)
     if len(selected):
         parts = {row.sample: f"{row.locks_that_count:.2f}" for row in selected.itertuples()}
         question = "How many locks, each at full strength, fit the detailed model best?"
         yield Question(question, by_sample=parts, column="best-fit number of locks")
 
 
-def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Question]:
+def _design(capacity: pd.DataFrame) -> Iterator[Question]:
     """Design loads in the first and the last direction of each sample."""
     for model, (what, words) in DESIGN.items():
-        rows = capacity[(capacity["model"] == model) & capacity["case"].isin(ratio)]
+        rows = capacity[capacity["model"] == model]
         if not rows.empty:
             loads = "V (N) or M (N m)"
             yield Question(
                 f"What is the {what}?",
                 f"{words}, {loads}; other directions below:",
-                _design_loads(rows, ratio),
+                _design_loads(rows),
                 f"{what}, {loads}",
             )
 
 
-def _design_loads(loads: pd.DataFrame, ratio: Mapping[str, float]) -> dict[str, str]:
+def _design_loads(loads: pd.DataFrame) -> dict[str, str]:
     """By sample, in words."""
     parts = {}
-    loads = loads.assign(ratio=loads["case"].map(ratio))
+    ratio = "eccentricity_over_a"
     for sample, of_meshes in loads.groupby("sample", sort=False):
-        rows = of_meshes.sort_values("ratio", kind="stable").drop_duplicates("ratio")  # all alike
+        rows = of_meshes.sort_values(ratio, kind="stable").drop_duplicates(ratio)  # all alike
         ends = rows.iloc[[0, -1] if len(rows) > 1 else [0]]
         if ends["load_N"].isna().all():
             parts[sample] = "no answer, see below"
@@ -290,7 +291,8 @@ def _design_loads(loads: pd.DataFrame, ratio: Mapping[str, float]) -> dict[str, 
 
 def _at(row: object) -> str:
     """V of a row in pure shear, M in torsion, both in between; with the direction."""
-    ratio, shear, torque = (float(getattr(row, key)) for key in ("ratio", "shear_N", "torque_Nm"))
+    columns = ("eccentricity_over_a", "shear_N", "torque_Nm")
+    ratio, shear, torque = (float(getattr(row, column)) for column in columns)
     if math.isnan(shear):
         loads = "no answer"
     elif math.isinf(ratio):
@@ -302,7 +304,7 @@ def _at(row: object) -> str:
 
 def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
     """The option of SiDMACIB that fits best, with its rule."""
-    selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
+    selected = of_leading(fit, leading, mesh)
     rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
     if rows:
         parts = {
@@ -316,8 +318,7 @@ def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
 
 def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
     """Differences of the peaks in pure shear from the published ones."""
-    selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
-    selected = selected[selected["model"] == selected["sample"].map(leading)]
+    selected = of_leading(table[table["quantity"].eq("dem_pure_shear_N")], leading, mesh)
     if len(selected):
         parts = {
             row.sample: f"{100 * float(row.relative_difference):+.2f} %"

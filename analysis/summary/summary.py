@@ -15,8 +15,9 @@ from analysis.summary import (
     compared_with_static,
     direction_words,
     disagreements,
+    of_cases,
+    of_leading,
     percent,
-    ratios,
 )
 from analysis.summary.structures import summary as structures_summary
 from analysis.tables import winner
@@ -54,18 +55,18 @@ def summary(
     ``ductile``: names of the variants with ductile bonds.
     """
     leading = leading_models(tables["fit"])
-    ratio, mesh = ratios(tables["cases"]), min(meshes)
+    mesh = min(meshes)
     return "\n".join(
         [
             *_failed(tables["cases"]),
             *(line for each in answers(tables, leading, mesh) for line in each.lines),
             "",
             *_validation(tables["validation"], leading),
-            *_models(tables["capacity"], ratio, mesh),
+            *_models(of_cases(tables), mesh),
             *_mesh_errors(tables["capacity"], set(tables["cases"]["nodes"].unique())),
             *spread_lines(tables["capacity"]),
             *_fits(tables["fit"], tables["best_fit"], leading, mesh),
-            *_variants(tables["capacity"], ratio),
+            *_variants(tables["capacity"]),
             *_disagreements(tables["cases"]),
             *_without_friction(tables["cases"], ductile),
             "",
@@ -84,13 +85,16 @@ def summary(
 
 def _failed(cases: pd.DataFrame) -> Iterator[str]:
     """Cases without a result come first: they are missing from the tables."""
-    failed = cases[cases["error"].notna()]
-    if failed.empty:
-        return
-    yield f"WITHOUT A RESULT: {len(failed)} of {len(cases)} cases"
-    for row in failed.itertuples():
-        yield f"  {row.name} ({row.model}): {row.error}"
-    yield ""
+    if failed := _failures(cases, "name"):
+        yield f"WITHOUT A RESULT: {len(failed)} of {len(cases)} cases"
+        yield from (f"  {line}" for line in failed)
+        yield ""
+
+
+def _failures(cases: pd.DataFrame, name: str) -> list[str]:
+    """Name, which is in the column ``name``, model and reason of each case without a result."""
+    rows = cases.loc[cases["error"].notna(), [name, "model", "error"]]
+    return [f"{case} ({model}): {error}" for case, model, error in rows.itertuples(index=False)]
 
 
 def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
@@ -155,11 +159,10 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
             yield f"  {name:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
 
 
-def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> Iterator[str]:
+def _models(capacity: pd.DataFrame, mesh: float) -> Iterator[str]:
     """V and M that each model gives at the finest mesh, direction by direction."""
     shown = capacity[capacity["failed_load_N"].notna() | capacity["model"].isin(LAWS)]
     shown = shown[(shown["variant"] == REFERENCE) & np.isclose(shown["mesh_m"], mesh)]
-    shown = shown[shown["case"].isin(ratio)]  # not of a sample whose engines are all missing
     samples = list(shown["sample"].unique())
     # What to design for comes first, then the other laws, then models of the pieces.
     order = [*dict.fromkeys((*DESIGN, *LAWS, *shown["model"]))]
@@ -172,16 +175,17 @@ def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> 
         name = label_of(model).name
         yield f"{name[0].upper()}{name[1:]}{first}{at}: V (N) and M (N m)"
         for start in range(0, min(len(samples), MOST_SAMPLES), ACROSS):
-            yield from _loads(rows, ratio, samples[start : start + ACROSS])
-        yield from _refusals(rows, ratio)
+            yield from _loads(rows, samples[start : start + ACROSS])
+        yield from _refusals(rows)
     if len(samples) > MOST_SAMPLES:
         yield f"  ({MOST_SAMPLES} of {len(samples)} samples; tables/capacity.csv has all)"
 
 
-def _loads(rows: pd.DataFrame, ratio: Mapping[str, float], samples: Sequence[str]) -> Iterator[str]:
+def _loads(rows: pd.DataFrame, samples: Sequence[str]) -> Iterator[str]:
     """V and M of some samples, one line for each direction."""
     loads = {
-        (row.sample, ratio[row.case]): (row.shear_N, row.torque_Nm) for row in rows.itertuples()
+        (row.sample, row.eccentricity_over_a): (row.shear_N, row.torque_Nm)
+        for row in rows.itertuples()
     }
     there = [sample for sample in samples if sample in set(rows["sample"])]
     if not there:
@@ -198,12 +202,12 @@ def _cell(loads: tuple[float, float] | None) -> str:
     return f"{loads[0]:>12.5g}{loads[1]:>10.5g}"
 
 
-def _refusals(rows: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
+def _refusals(rows: pd.DataFrame) -> Iterator[str]:
     """Why a model gives nothing, sample by sample."""
     for (sample, reason), part in rows[rows["load_N"].isna()].groupby(
         ["sample", "error"], sort=False
     ):
-        where = ", ".join(direction_words(ratio[case]) for case in part["case"])
+        where = ", ".join(map(direction_words, part["eccentricity_over_a"]))
         everywhere = len(part) == (rows["sample"] == sample).sum()
         yield f"  - {sample}{'' if everywhere else f' at {where}'}: {reason}"
 
@@ -260,10 +264,7 @@ def _fits(
         f"SiDMACIB against {' and '.join(dict.fromkeys(leading.values()))}, all directions, mesh "
         f"{mesh:g} m (others: tables/fit.csv)"
     )
-    fit, best = (
-        rows[(rows["model"] == rows["sample"].map(leading)) & np.isclose(rows["mesh_m"], mesh)]
-        for rows in (fit, best)
-    )
+    fit, best = (of_leading(rows, leading, mesh) for rows in (fit, best))
     for (model, sample), selected in fit.groupby(["model", "sample"], sort=False):
         safe = selected[selected["largest_unsafe_error"] <= PEAK_ACCURACY]
         choices = {"best": selected, "best safe": safe}
@@ -283,7 +284,7 @@ def _fits(
                 f"{percent(row['largest_unsafe_error'])}, safe by up to "
                 f"{percent(row['largest_safe_error'])}{within}"
             )
-    for row in best[best["friction"] == False].itertuples():  # noqa: E712
+    for row in best[best["friction"].eq(False)].itertuples():
         yield (
             f"  {row.model} {row.sample}, free fit:        d = "
             f"{row.distance_over_a:.3f} a, {row.locks_that_count:.2f} locks count: misfit "
@@ -291,7 +292,7 @@ def _fits(
         )
 
 
-def _variants(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
+def _variants(capacity: pd.DataFrame) -> Iterator[str]:
     engines = capacity[capacity["failed_load_N"].notna()]
     keys = ["model", "case"]
     reference = engines.loc[engines["variant"] == REFERENCE, [*keys, "load_N"]]
@@ -306,7 +307,7 @@ def _variants(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[st
         changes = ", ".join(
             _change(sample, part) for sample, part in rows.groupby("sample", sort=False)
         )
-        places = sorted({ratio[case] for case in rows["case"]})
+        places = sorted(rows["eccentricity_over_a"].unique())
         where = ", ".join("torsion" if np.isinf(e) else f"{e:g}" for e in places)
         yield f"  {model} mesh {mesh:g} m, {variant}: {changes} (e/a = {where})"
 
@@ -336,8 +337,7 @@ def check_complete(arguments: Arguments, inputs: Files, outputs: Files) -> str |
         if kind.name in inputs:
             cases = read_table(kind, inputs[kind.name])
             count += len(cases)
-            rows = cases.loc[cases["error"].notna(), [name, "model", "error"]]
-            failed += [f"{row[0]} ({row[1]}): {row[2]}" for row in rows.itertuples(index=False)]
+            failed += _failures(cases, name)
     if not failed:
         outputs["mark"].write_text(f"{count} cases\n")
         return None
