@@ -14,7 +14,6 @@ from workflow.configuration import (
     read_study,
     with_installed_engines,
 )
-from sidmacib.models import detailed
 from workflow.jobs import case_jobs
 
 # Snakemake reads the configuration too and merges it with defaults; this reader checks every key and
@@ -33,7 +32,6 @@ except ConfigError as error:
     sys.exit(f"Error in the configuration: {error.of(FILES[0])}")
 
 RESULTS = STUDY.results
-DETAILED = detailed(STUDY.model_names)
 
 
 report: "workflow/captions/study.rst"

@@ -105,8 +105,8 @@ def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> lis
     for kind in KINDS:
         write_table(kind, tables[kind.name], inputs[kind.name])
     part = study.part("variants", "figures", "measured")
-    arguments = {"study": part, "detailed_models": detailed(study.model_names)}
-    names = figures_of(study, arguments["detailed_models"])
+    arguments = {"study": part}
+    names = figures_of(study, detailed(study.model_names))
     saved = [folder / f"{name}.png" for name in names if not name.startswith(("joint", "options"))]
     run(arguments, inputs, {"figures": saved})
     return [path.stem for path in saved if path.exists()]

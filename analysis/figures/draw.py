@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import FigureSpec, curves, figures_of, joint, models, style
 from analysis.figures.style import FigureData, Stresses
+from sidmacib.models import detailed
 from workflow.results import BATCH_NODES, read_records
 from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
 from workflow.schema import Study
@@ -52,7 +53,7 @@ def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     ``inputs``: the tables, and by a figure's name the records of the case whose stresses it shows.
     """
     study = Study.model_validate_json(arguments["study"])
-    detailed_models = tuple(arguments["detailed_models"])
+    detailed_models = detailed(study.model_names)
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
     for name, spec in figures_of(study, detailed_models).items():
         stresses = stresses_of(spec, inputs[name]) if name in inputs else None

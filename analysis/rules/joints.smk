@@ -1,5 +1,6 @@
 # Joints: tables from the results of the cases, and figures.
 from analysis.figures import drawn_files, figures_of
+from sidmacib.models import detailed
 
 PUBLISHED = ("analysis/published.yaml",)
 
@@ -16,7 +17,7 @@ rule collect:
     log:
         below("logs/collect.log"),
     params:
-        cases=[case.id for case in JOBS.joints.values()],
+        cases=[*JOBS.joints],
         code=code("analysis.tables.collect", JointSubject.modules),
     message:
         "Collect the cases' results"
@@ -68,7 +69,7 @@ rule comparisons:
         "../tables/comparisons.py"
 
 
-FIGURES = figures_of(STUDY, DETAILED, JOBS.joints.values())
+FIGURES = figures_of(STUDY, detailed(STUDY.model_names), JOBS.joints.values())
 STRESSES = {  # by figure, the record of the case whose stresses it shows
     name: RECORDS[figure.case.folder] for name, figure in FIGURES.items() if figure.case is not None
 }
@@ -90,7 +91,6 @@ rule figures:
         "tables"
     params:
         study=lambda wildcards: STUDY.part("variants", "figures", "measured"),
-        detailed_models=DETAILED,
         code=code("analysis.figures.draw", JointSubject.modules, PUBLISHED),
     message:
         "Draw the figures"

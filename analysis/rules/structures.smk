@@ -18,7 +18,7 @@ rule structure_tables:
     log:
         below("logs/structure_tables.log"),
     params:
-        cases=[list(case) for case in JOBS.structures],
+        cases=[*JOBS.structures],
         code=code("analysis.tables.structures", StructureSubject.modules),
     message:
         "Tabulate the structures"
