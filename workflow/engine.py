@@ -42,7 +42,7 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
         else:
             what = problem, numerics, f"{case.name}.", folder, arguments["time_limit"]
             outcome = engine_outcome(engine, *what)
-            found = record_of(case, problem, outcome, {engine.name: engine.version()})
+            found = record_of(case, problem, outcome, engine.versions())
     except (EngineError, ResultError, CapacityError, ValueError) as error:
         words = error.in_short if isinstance(error, EngineError) else str(error)
         reason = f"{case.name}: {case.model}: {error}"

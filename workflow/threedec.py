@@ -6,7 +6,7 @@ folder. docs/models.md lists what the decks assume of 3DEC; they have never been
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from sidmacib.mechanics.assembly import (
     GRAVITY,
     Assembly,
     Cuboid,
+    FaceMaterial,
     Failure,
     Floats,
     Kind,
@@ -68,7 +69,7 @@ def deck(case: JointCase) -> str:
         {
             "below": assembly.cuboids[face.below].name,
             "above": assembly.cuboids[face.above].name,
-            **_law(asdict(face.material)),
+            **_law(face.material),
         }
         for face in assembly.faces
     ]
@@ -79,7 +80,7 @@ def deck(case: JointCase) -> str:
         case=fingerprint(case),
         pieces=assembly.cuboids,
         faces=faces,
-        dry=_law(asdict(joint.material_of(Kind.DRY))),
+        dry=_law(joint.material_of(Kind.DRY)),
         mesh=case.subject.mesh,
         density=joint.density,
         elastic=joint.elastic,
@@ -119,8 +120,8 @@ def _corner(piece: Cuboid, place: Vector, force: Floats) -> dict[str, Any]:
     return {"piece": piece.name, "place": place, "force": force.tolist(), "radius": radius}
 
 
-def _law(material: dict[str, float]) -> dict[str, Any]:
-    return {"law": material, "friction_degrees": math.degrees(math.atan(material["friction"]))}
+def _law(material: FaceMaterial) -> dict[str, Any]:
+    return {"law": material, "friction_degrees": math.degrees(math.atan(material.friction))}
 
 
 def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ import dataclasses
 import importlib
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -77,10 +77,10 @@ class Record(Generic[Part]):
 
     def columns(self) -> dict[str, Any]:
         """All that stands in the record and its part, by name."""
-        found = {each.name: getattr(self, each.name) for each in fields(self)}
-        part: Any = found.pop("part")
-        found["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(self.versions.items())) or None
-        return found | {each.name: getattr(part, each.name) for each in fields(part)}
+        versions = ", ".join(f"{k} {v}" for k, v in sorted(self.versions.items())) or None
+        found = {**vars(self), **vars(self.part), "versions": versions}
+        del found["part"]
+        return found
 
     def to_json(self) -> str:
         """One line of JSON; infinity is written as Python's json does."""

@@ -57,8 +57,9 @@ class StructurePart:
     ) -> "StructurePart":
         """The names of ``case``, and what its outcome says."""
         counts, given, errors = outcome.counts, outcome.given, outcome.mesh_errors
-        return replace(
-            cls(case.subject.structure, case.subject.load),
+        return cls(
+            case.subject.structure,
+            case.subject.load,
             tilts=loads.axis is not None,
             counts=None if counts is None else counts.name,
             because=None if counts is None else counts.why,
