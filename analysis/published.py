@@ -29,8 +29,7 @@ class Published:
 
         Strength, locks, their blocks, failure, the cut of the body, the hold-down and the load must
         be the paper's; sizes may differ, as it gives a * b only, and friction may, see
-        `as_printed`. Its numbers are for
-        e = 0.
+        `as_printed`. Its numbers are for e = 0.
         """
         joint, numbers = study.joint(sample), self.numbers["sample"]
         return (

@@ -13,7 +13,7 @@ from made_up_results import capacity_of, record_with, tables_of
 
 from analysis.published import read_published
 from analysis.summary.summary import summary
-from analysis.tables import misfit, winner
+from analysis.tables import load_errors, winner
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import (
     cases_table,
@@ -225,11 +225,12 @@ REFERENCE = np.array([100.0, 200.0, 400.0])
 def test_loads_above_the_reference_are_unsafe_and_below_it_safe(
     shares: list[float], unsafe: float, safe: float
 ) -> None:
-    found = misfit(REFERENCE * shares, REFERENCE)
-    assert found.largest_unsafe_error == pytest.approx(unsafe)
-    assert found.largest_safe_error == pytest.approx(safe)
+    found = load_errors(REFERENCE * shares, REFERENCE)
+    assert found["largest_unsafe_error"] == pytest.approx(unsafe)
+    assert found["largest_safe_error"] == pytest.approx(safe)
 
 
 @given(st.floats(-0.9, 3.0))
 def test_the_same_relative_error_everywhere_is_the_misfit(error: float) -> None:
-    assert misfit(REFERENCE * (1 + error), REFERENCE).misfit == pytest.approx(abs(error), abs=1e-12)
+    found = load_errors(REFERENCE * (1 + error), REFERENCE)
+    assert found["misfit"] == pytest.approx(abs(error), abs=1e-12)

@@ -53,8 +53,9 @@ def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> No
     capacity = pd.DataFrame(
         [("law", fine, 115.0), ("static", fine, None), ("static", coarse, 1.0)],
         columns=["model", "mesh_m", "load_N"],
-    ).assign(variant="reference", sample="n3", eccentricity_m=0.5 * 0.06)
-    table = measured_table(study, capacity).set_index("model")
+    ).assign(variant="reference", sample="n3", eccentricity_over_a=0.5)
+    assert study.measured is not None
+    table = measured_table(study, study.measured, capacity).set_index("model")
     assert table.loc["law", "measured_load_N"] == pytest.approx(math.hypot(100.0, 3.0 / 0.06))
     assert table.loc["law", "difference"] == pytest.approx(115.0 / math.hypot(100.0, 50.0) - 1.0)
     assert math.isnan(table.loc["static", "difference"])

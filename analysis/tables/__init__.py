@@ -3,28 +3,26 @@
 Without a solver: steps that only read fits load none.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import pandas as pd
 
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
+from workflow.results.tables import ERRORS
 from workflow.schema import Study
 
 
 def study_points(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
-    """The ``rows`` at the meshes and directions of ``study``, with ``eccentricity_over_a``.
+    """The ``rows`` at the meshes and directions of ``study``.
 
-    Cases that were run for the mesh error alone are left out. ``rows`` have the columns ``sample``,
-    ``mesh_m`` and ``eccentricity_m``; meshes and ratios e / a become exactly those of the study,
-    which tables have to ten digits.
+    Cases that were run for the mesh error alone are left out. Meshes (``mesh_m``) and ratios e / a
+    (``eccentricity_over_a``) become exactly those of the study, which tables have to ten digits.
     """
-    lengths = {sample: study.joint(sample).a for sample in study.samples}
-    ratio = rows["eccentricity_m"].astype(float) / rows["sample"].map(lengths).astype(float)
     placed = rows.assign(
         mesh_m=_nearest(rows["mesh_m"].astype(float), study.meshes),
-        eccentricity_over_a=_nearest(ratio, study.eccentricities),
+        eccentricity_over_a=_nearest(
+            rows["eccentricity_over_a"].astype(float), study.eccentricities
+        ),
     )
     return placed.dropna(subset=["mesh_m", "eccentricity_over_a"])
 
@@ -53,23 +51,14 @@ def pure_shear_weights(
     }
 
 
-@dataclass(frozen=True)
-class LoadErrors:
-    """Relative errors of a curve: root mean square, largest unsafe and largest safe one."""
+def load_errors(promised: Floats, carried: Floats) -> dict[str, float]:
+    """Errors of SiDMACIB's loads against those of a detailed model, both in N, of shape (N,).
 
-    misfit: float
-    largest_unsafe_error: float
-    largest_safe_error: float
-
-
-def misfit(promised: Floats, carried: Floats) -> LoadErrors:
-    """Errors of SiDMACIB's loads against those of a detailed model, both in N, of shape (N,)."""
+    By `ERRORS`: their root mean square, the largest unsafe and the largest safe one, relative.
+    """
     error = promised / carried - 1.0
-    return LoadErrors(
-        float(np.sqrt(np.mean(error**2))),
-        float(max(error.max(), 0.0)),
-        float(max(-error.min(), 0.0)),
-    )
+    found = np.sqrt(np.mean(error**2)), max(error.max(), 0.0), max(-error.min(), 0.0)
+    return dict(zip(ERRORS, map(float, found), strict=True))
 
 
 def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.Series:

@@ -162,8 +162,7 @@ def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> 
         *law_rows(study),
         *published_rows(study, read_published()),
     ]
-    both = pd.concat([of_cases, pd.DataFrame(rows, columns=list(CAPACITY.columns))])
-    return both[list(CAPACITY.columns)]
+    return pd.concat([of_cases, pd.DataFrame(rows, columns=list(CAPACITY.columns))])
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:

@@ -1,7 +1,7 @@
 """Collect the records of all cases in tables."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -12,43 +12,38 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from sidmacib.problem import UNKNOWN, MeshErrors
-from workflow.case import REFERENCE
+from workflow.case import REFERENCE, CaseId
 from workflow.results import read_records
 from workflow.results.joint_part import JointRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
 from workflow.step import Arguments, FileLists, Files, step
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
-SHARED = (
-    *("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity_m"),
-    "eccentricity_over_a",
-)
 
 
 def weights_table(records: Iterable[JointRecord]) -> pd.DataFrame:
     """One row per lock of every case whose model gives stresses."""
     return WEIGHTS.frame(
-        _shared(record) | asdict(weight) for record in records for weight in record.part.weights
+        record.columns() | asdict(weight) for record in records for weight in record.part.weights
     )
 
 
 def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
     """One row per case: W_sum, W_sum rounded down, and the sum over the lower locks."""
+    case = [column for column in WEIGHT_SUMS.columns if column in weights]
     lower = weights["weight"].where(weights["block"] == "lower", 0.0)
-    sums = weights.assign(lower=lower).groupby(list(SHARED), sort=False)[["weight", "lower"]].sum()
-    sums = sums.rename(columns={"weight": "weight_sum", "lower": "lower_weight_sum"})
-    sums.insert(1, "weight_sum_floor", np.floor(sums["weight_sum"]).astype(int))
-    return sums.reset_index()
+    groups = weights.assign(lower=lower).groupby(case, sort=False)
+    sums = groups.agg(weight_sum=("weight", "sum"), lower_weight_sum=("lower", "sum"))
+    return sums.assign(weight_sum_floor=np.floor(sums["weight_sum"]).astype(int)).reset_index()
 
 
-def cases_table(records: Sequence[JointRecord], all_records: Iterable[JointRecord]) -> pd.DataFrame:
+def cases_table(records: Sequence[JointRecord], all_records: Sequence[JointRecord]) -> pd.DataFrame:
     """One row per case; failed ones have the reason.
 
     ``all_records``: these and those on further meshes. Each record is compared with that of the
     static model for the same joint, nodes and load, see `_compared`; mesh errors come from all
     meshes.
     """
-    all_records = list(all_records)
     mesh_errors = errors_of([*all_records, *records])
     static = {record.physics: record for record in all_records if record.model == REFERENCE_MODEL}
     rows = []
@@ -59,7 +54,7 @@ def cases_table(records: Sequence[JointRecord], all_records: Iterable[JointRecor
         row["static_load_N"] = compared
         row["difference_to_static"] = load / compared - 1.0 if compared and load else None
         row["error"] = record.error or record.refused
-        errors = mesh_errors.get((record.model, record.name), UNKNOWN)
+        errors = mesh_errors.get(record.id, UNKNOWN)
         row |= {"mesh_error": errors.peak, "first_failure_mesh_error": errors.first}
         rows.append(row)
     return CASES.frame(rows)
@@ -97,6 +92,7 @@ def models_table(
     """
     mesh_errors = errors_of([*all_records, *records])
     rows: list[dict[str, Any]] = []
+    more: dict[str, float] = {}  # columns beside those of `MODELS`
     given: dict[str, float] = {}
     for record in records:
         if record.variant != REFERENCE or record.load_N is None or not record.part.weights:
@@ -104,50 +100,26 @@ def models_table(
         failure = record.first_failure_load_N
         load = given.setdefault(record.part.case, failure if failure is not None else record.load_N)
         moved = displacements_at(record, [share * load for share in SHARES])
-        columns = _shared(record)
-        columns.pop("variant")
-        rows.append(
-            columns
-            | {
-                "load_N": record.load_N,
-                "mesh_error": mesh_errors.get((record.model, record.name), UNKNOWN).peak,
-                "first_failure_load_N": failure,
-                "peak_spread": record.peak_spread,
-                "friction_share": friction_share(record),
-                "given_load_N": load,
-            }
-            | {
-                f"displacement_at_{100 * share:g}_percent_m": value
-                for share, value in zip(SHARES, moved, strict=True)
-            }
-            | {f"weight_lock{each.lock}": each.weight for each in record.part.weights}
-        )
-    if not rows:
-        return pd.DataFrame(columns=[*MODELS.columns, "case"])
-    table = pd.DataFrame(rows)
+        own = {
+            f"displacement_at_{100 * share:g}_percent_m": value
+            for share, value in zip(SHARES, moved, strict=True)
+        } | {f"weight_lock{each.lock}": each.weight for each in record.part.weights}
+        more |= own
+        errors = mesh_errors.get(record.id, UNKNOWN)
+        found = {"mesh_error": errors.peak, "friction_share": friction_share(record)}
+        rows.append({**record.columns(), **found, "given_load_N": load, **own})
+    table = pd.DataFrame(rows, columns=[*MODELS.columns, "case", *more])
     for column in ("first_failure_load_N", "mesh_error", "peak_spread"):
         table[column] = table[column].astype(float)
     order = table.groupby("case", sort=False).ngroup()
     return table.iloc[np.argsort(order, kind="stable")]
 
 
-def _shared(record: JointRecord) -> dict[str, Any]:
-    columns = record.columns()
-    return {name: columns[name] for name in SHARED}
-
-
-def ordered(
-    records: Iterable[JointRecord], names: Sequence[Sequence[str]]
-) -> Iterator[JointRecord]:
-    """The records of the study's cases, ``names`` being (model, name), in its order."""
-    by_case = {(record.model, record.name): record for record in records}
-    return (by_case[model, name] for model, name in names)
-
-
 def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
-    """Read all records and write the tables."""
+    """Read all records and write the tables, in the order of the study's cases."""
     every = read_records(inputs["records"])
-    records = list(ordered(every, arguments["cases"]))
+    found = {record.id: record for record in every}
+    records = [found[case] for case in arguments["cases"]]
     weights = weights_table(records)
     write_table(WEIGHTS, weights, outputs["weights"])
     write_table(WEIGHT_SUMS, weight_sums(weights), outputs["weight_sums"])
@@ -155,8 +127,8 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     write_table(MODELS, models_table(records, every), outputs["models"])
 
 
-def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], MeshErrors]:
-    """Mesh errors of results by model and name of the case; results without an error are left out.
+def errors_of(records: Iterable[JointRecord]) -> dict[CaseId, MeshErrors]:
+    """Mesh errors of results by the identity of the case; results without an error are left out.
 
     A model with one mesh takes the errors of the same joint, nodes and load from a model that is
     solved in this process: from the static model where possible.
@@ -170,11 +142,10 @@ def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], MeshError
     for lender in SOLVED:
         for (model, _, joint), errors in by_series.items():
             if model == lender:
-                lendable |= {
-                    (joint, mesh): e for mesh, e in errors.items() if (joint, mesh) not in lendable
-                }
+                for mesh, each in errors.items():
+                    lendable.setdefault((joint, mesh), each)
     by_case = {
-        (r.model, r.name): by_series[r.model, r.variant, r.part.series].get(
+        r.id: by_series[r.model, r.variant, r.part.series].get(
             r.part.mesh_m, lendable.get((r.part.series, r.part.mesh_m))
         )
         for r in records
@@ -182,9 +153,8 @@ def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], MeshError
     return {case: errors for case, errors in by_case.items() if errors is not None}
 
 
-def _errors_of_one(records: Iterable[JointRecord]) -> dict[float, MeshErrors]:
+def _errors_of_one(records: Sequence[JointRecord]) -> dict[float, MeshErrors]:
     """Mesh errors of results of one joint and model, by mesh (m)."""
-    records = list(records)
     layout = NodeLayout(records[0].part.nodes)
     loads = {r.part.cells: r.load_N for r in records if r.load_N is not None}
     kind = kind_of((r.load_N, r.first_failure_load_N) for r in records if r.load_N is not None)

@@ -8,7 +8,6 @@ negative where it promises less (safe).
 
 import math
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from analysis.published import Published, read_published
-from analysis.tables import LoadErrors, misfit, pure_shear_weights, study_points, winner
+from analysis.tables import load_errors, pure_shear_weights, study_points, winner
 from sidmacib.contact_points import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, pair_loads
 from sidmacib.joint import Direction, Joint
@@ -26,6 +25,7 @@ from workflow.case import REFERENCE
 from workflow.results.tables import (
     BEST_FIT,
     CAPACITY,
+    ERRORS,
     FIT,
     MEASURED,
     VALIDATION,
@@ -35,7 +35,7 @@ from workflow.results.tables import (
     read_table,
     write_table,
 )
-from workflow.schema import Study
+from workflow.schema import MeasuredSection, Study
 from workflow.step import Arguments, Files, step
 
 FEWEST = 3  # directions that an option is judged by
@@ -62,10 +62,10 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
         both = both.dropna(subset=["load_N_carried"])  # a case without a result
         names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
         for values, curve in both.groupby(names, sort=False):
-            result = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
+            errors = load_errors(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
             named = dict(zip(names, values, strict=True))
             extent = {"directions": len(curve), "largest_mesh_error": curve[error].max()}
-            rows.append({"model": model, **named, **vars(result), **extent})
+            rows.append({"model": model, **named, **errors, **extent})
     if not rows:
         return pd.DataFrame(columns=list(FIT.columns))
     table = pd.DataFrame(rows)
@@ -116,7 +116,7 @@ def best_pair(
         "distance_m": distance * joint.a,
         "strength_per_lock_N": factor * math.fsum(joint.strengths) / joint.locks,
         "locks_that_count": factor * joint.locks,
-        **vars(misfit(loads(np.array([distance, factor])), carried)),
+        **load_errors(loads(np.array([distance, factor])), carried),
     }
 
 
@@ -149,7 +149,7 @@ def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> 
     carried = carried.merge(sums[[*keys, "lower_weight_sum"]], on=keys, how="left", validate="1:1")
     rows = []
     names = ["variant", "sample", "model", "mesh_m"]
-    unknown = dict.fromkeys(("option", *(each.name for each in fields(LoadErrors))))
+    unknown = dict.fromkeys(("option", *ERRORS))
     for (variant, sample, *_), curve in carried.groupby(names, sort=False):
         joint = study.joint(str(sample), study.every_variant[str(variant)])
         fit = min(_errors(promised, curve), key=lambda each: each["misfit"], default=unknown)
@@ -180,7 +180,7 @@ def _errors(promised: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, A
     for option, rows in comparable.groupby("option", sort=False):
         promised_loads = rows.set_index("case")["load_N"].reindex(loads.index).to_numpy(dtype=float)
         if np.isfinite(promised_loads).all():
-            yield {"option": option, **vars(misfit(promised_loads, loads.to_numpy(dtype=float)))}
+            yield {"option": option, **load_errors(promised_loads, loads.to_numpy(dtype=float))}
 
 
 def validation_table(
@@ -258,14 +258,13 @@ def _weight_rows(
     sources: dict[tuple[str, float], list[float]], locks: int, published: Published
 ) -> Iterator[dict[str, Any]]:
     printed = published.numbers["weights"][locks]
-    swapped = [printed[1], printed[0], *printed[2:]]
     for (model, mesh), weights in sources.items():
         same = {"model": model, "mesh_m": mesh}
         for lock, (weight, value) in enumerate(zip(weights, printed, strict=True), start=1):
             row = {"quantity": f"weight_lock{lock}", "published": value, "computed": weight}
             yield {**same, **row, "note": "in the printed order" if lock <= 2 else ""}
         for lock in (1, 2):
-            row = {"published": swapped[lock - 1], "computed": weights[lock - 1], "note": SWAPPED}
+            row = {"published": printed[2 - lock], "computed": weights[lock - 1], "note": SWAPPED}
             yield {**same, "quantity": f"weight_lock{lock}_swapped", **row}
         total = math.fsum(weights)
         value = published.numbers["weight_sum"][locks]
@@ -295,20 +294,18 @@ def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[st
             }
 
 
-def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
+def measured_table(study: Study, measured: MeasuredSection, capacity: pd.DataFrame) -> pd.DataFrame:
     """One row for each measured load and model, on the study's finest mesh.
 
     ``load_N`` are lengths of (V, M / a). A model without a result has an empty one.
     """
     rows: list[dict[str, Any]] = []
-    if study.measured is None:
-        return pd.DataFrame(rows, columns=list(MEASURED.columns))
     points = study_points(study, capacity)
     finest = points[points["mesh_m"] == min(study.meshes)]
-    for number, load in enumerate(study.measured.loads, start=1):
+    for number, load in enumerate(measured.loads, start=1):
         a = study.joint(load.sample).a
         shear, torque = load.components(a)
-        measured = math.hypot(shear, torque / a)
+        size = math.hypot(shear, torque / a)
         same = finest["sample"].eq(load.sample) & finest["eccentricity_over_a"].eq(
             load.eccentricity
         )
@@ -321,11 +318,11 @@ def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
                     "eccentricity_over_a": load.eccentricity,
                     "measured_shear_N": shear,
                     "measured_torque_Nm": torque,
-                    "measured_load_N": measured,
+                    "measured_load_N": size,
                     "model": model.model,
                     "variant": model.variant,
                     "load_N": model.load_N,
-                    "difference": model.load_N / measured - 1.0,
+                    "difference": model.load_N / size - 1.0,
                 }
             )
     return pd.DataFrame(rows, columns=list(MEASURED.columns))
@@ -344,7 +341,8 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     table = validation_table(study, capacity, weights, fit, read_published())
     write_table(VALIDATION, table, outputs["validation"])
     if study.measured is not None:
-        write_table(MEASURED, measured_table(study, capacity), outputs["measured"])
+        table = measured_table(study, study.measured, capacity)
+        write_table(MEASURED, table, outputs["measured"])
 
 
 if __name__ == "__main__":

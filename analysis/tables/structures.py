@@ -39,7 +39,6 @@ TILTS = {
     "static_load_N": "static_tilt_degrees",
 }
 RAISED = {each.__name__: each for each in (InfeasibleError, NoEquilibriumError, UnboundedError)}
-IDENTITY = ("structure", "load", "variant", "model")
 
 
 def structures_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
@@ -158,36 +157,35 @@ def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
 
 def interfaces_table(records: Iterable[StructureRecord]) -> pd.DataFrame:
     """One row for each interface of each case that gives forces."""
-    rows = [
+    return INTERFACES.frame(
         {**_identity(record), **asdict(interface)}
         for record in records
         for interface in record.part.interfaces
-    ]
-    return INTERFACES.frame(rows)
+    )
 
 
 def blocks_table(records: Iterable[StructureRecord]) -> pd.DataFrame:
-    """One row for each block, or part of one, of each case that has a result."""
-    return BLOCKS.frame(_blocks(records))
+    """One row for each block, or part of one, of each case that has a result.
 
-
-def _blocks(records: Iterable[StructureRecord]) -> Iterator[dict[str, Any]]:
-    for record in records:
-        for block in record.part.blocks:
-            row = asdict(block)
-            move = row.pop("move") or (math.nan,) * len(MOTION)
-            yield {**_identity(record), **row, **dict(zip(MOTION, move, strict=True))}
+    Without a motion where the model gives none.
+    """
+    return BLOCKS.frame(
+        {**_identity(record), **asdict(block), **dict(zip(MOTION, block.move or (), strict=False))}
+        for record in records
+        for block in record.part.blocks
+    )
 
 
 def _identity(record: StructureRecord) -> dict[str, Any]:
-    row = record.columns()
-    return {**{name: row[name] for name in IDENTITY}, "case": record.name}
+    part = record.part
+    names = {"structure": part.structure, "load": part.load, "variant": record.variant}
+    return {**names, "model": record.model, "case": record.name}
 
 
 def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables, in the order of the study's cases."""
     found = {record.id: record for record in read_records(inputs["records"])}
-    records = [found[model, name] for model, name in arguments["cases"]]  # type: ignore[index]
+    records = [found[case] for case in arguments["cases"]]
     write_table(STRUCTURES, structures_table(records), outputs["structures"])
     if "verdicts" in outputs:
         write_table(VERDICTS, verdicts_table(records), outputs["verdicts"])

@@ -52,7 +52,7 @@ _SHARES = (
     *("peak_spread", "unbalanced_share", "difference_to_static"),
     *("mesh_error", "first_failure_mesh_error"),
 )
-_ERRORS = ("misfit", "largest_unsafe_error", "largest_safe_error")
+ERRORS = ("misfit", "largest_unsafe_error", "largest_safe_error")
 
 WEIGHTS = Table(
     "weights",
@@ -106,7 +106,7 @@ VARIANTS = Table(
         *("model", "variant", "sample", "locks", "mesh_m", "case", "failure", "upper_body"),
         *("young_Pa", "stiffness_ratio", "fracture_energy_J_m2", "eccentricity_m"),
         *("eccentricity_over_a", "load_N", "load_over_T0", "lower_weight_sum", "mesh_error"),
-        *("directions", "option", *_ERRORS),
+        *("directions", "option", *ERRORS),
     ),
     ("model", "variant", "case"),
 )
@@ -138,7 +138,7 @@ FIT = Table(
     "fit",
     (
         *("model", "sample", "locks", "mesh_m", "option", "friction", "reduction"),
-        *(*_ERRORS, "rank", "directions", "largest_mesh_error"),
+        *(*ERRORS, "rank", "directions", "largest_mesh_error"),
     ),
     ("model", "sample", "mesh_m", "option", "friction", "reduction"),
 )
@@ -146,7 +146,7 @@ BEST_FIT = Table(
     "best_fit",
     (
         *("model", "sample", "locks", "mesh_m", "friction"),
-        *("distance_over_a", "distance_m", "strength_per_lock_N", "locks_that_count", *_ERRORS),
+        *("distance_over_a", "distance_m", "strength_per_lock_N", "locks_that_count", *ERRORS),
     ),
     ("model", "sample", "mesh_m", "friction"),
     digits=6,  # of a fit that ends where the unknowns change by less than 1e-6
@@ -225,11 +225,8 @@ def write_table(table: Table, rows: pd.DataFrame, path: Path) -> None:
 
 
 def read_table(table: Table, path: Path) -> pd.DataFrame:
-    """The rows that `write_table` wrote; `TableError` if it did not write them."""
-    try:
-        rows = pd.read_parquet(path.with_suffix(".parquet"))
-    except (OSError, ValueError) as error:
-        raise TableError(f"{path.with_suffix('.parquet')}: {error}") from None
+    """The rows that `write_table` wrote; `TableError` if they have other columns."""
+    rows = pd.read_parquet(path.with_suffix(".parquet"))
     _require(table, rows)
     return rows
 
