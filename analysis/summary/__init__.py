@@ -123,13 +123,10 @@ def _of_model(
     model: str, capacity: pd.DataFrame, leading: Mapping[str, str]
 ) -> Iterator[RuleError]:
     """The error of a model for each sample where it is not the leading one."""
-    here = capacity[capacity["variant"].eq(REFERENCE)]
+    here = capacity[capacity["variant"].eq(REFERENCE)].dropna(subset=["load_N"])
     for sample, first in leading.items():
-        sample_rows = here[here["sample"].eq(sample)].dropna(subset=["load_N"])
-        promised, carried = (
-            sample_rows[sample_rows["model"].eq(model)],
-            sample_rows[sample_rows["model"].eq(first)],
-        )
+        rows = here[here["sample"].eq(sample)]
+        promised, carried = (rows[rows["model"].eq(name)] for name in (model, first))
         if first == model or not set(promised["case"]) & set(carried["case"]):
             continue
         error, ratio, mesh_error = _largest(promised, carried)
@@ -148,6 +145,11 @@ def direction_words(ratio: float) -> str:
     if math.isinf(ratio):
         return "torsion"
     return f"e/a = {ratio:g}" if ratio else "pure shear"
+
+
+def varied(name: str, variant: str) -> str:
+    """``name`` in a variant."""
+    return name if variant == REFERENCE else f"{name}, {variant}"
 
 
 @dataclass(frozen=True)

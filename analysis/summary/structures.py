@@ -6,10 +6,10 @@ from typing import Any
 
 import pandas as pd
 
+from analysis.summary import varied
 from sidmacib.answers.verdict import Verdict, on_all
 from sidmacib.engines.results import disagreement
 from sidmacib.problem import FIRST_FAILURE, Failures
-from workflow.case import REFERENCE
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
@@ -27,10 +27,9 @@ def summary(
     for (structure, load, variant), rows in structures.groupby(
         ["structure", "load", "variant"], sort=False
     ):
-        more = "" if variant == REFERENCE else f", {variant}"
         value, share = TILT if rows["tilt_degrees"].notna().any() else LOAD
         head = f"  {'model':10}{value:>14}{share:>13}{'to static':>11}  note"
-        lines += ["", f"{structure}, load: {load}{more}", head]
+        lines += ["", f"{structure}, load: {varied(load, variant)}", head]
         lines += map(_line, rows.to_dict("records"))
     if supports is not None:
         lines += _of_supports(supports)
@@ -52,20 +51,18 @@ def verdict_lines(verdicts: pd.DataFrame) -> Iterator[tuple[str, str, bool]]:
             )
             for row in rows.to_dict("records")
         ]
-        more = "" if variant == REFERENCE else f", {variant}"
         words = str(found[0]) if len(found) == 1 else on_all(names, found)
-        yield f"{structure}{more}", words, all(each.passes for each in found)
+        yield varied(structure, variant), words, all(each.passes for each in found)
 
 
 def _of_supports(table: pd.DataFrame) -> Iterator[str]:
     for (structure, load, variant), rows in table.groupby(
         ["structure", "load", "variant"], sort=False
     ):
-        more = "" if variant == REFERENCE else f", {variant}"
         columns, heads = ("reaction_N", "movement_m"), ("reaction (N)", "moved (m)")
         if rows["movement_degrees"].notna().any():
             columns, heads = ("reaction_Nm", "movement_degrees"), ("reaction (N m)", "degrees")
-        yield from ("", f"{structure}, support that moves: {load}{more}")
+        yield from ("", f"{structure}, support that moves: {varied(load, variant)}")
         yield f"  {'answer':16}{heads[0]:>16}{heads[1]:>16}  note"
         for row in rows.to_dict("records"):
             numbers = ["-" if pd.isna(row[k]) else f"{row[k]:.5g}" for k in columns]

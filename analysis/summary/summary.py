@@ -18,6 +18,7 @@ from analysis.summary import (
     of_cases,
     of_leading,
     percent,
+    varied,
 )
 from analysis.summary.structures import summary as structures_summary
 from analysis.tables import winner
@@ -224,9 +225,9 @@ def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
     yield "Largest mesh error (estimate from two meshes; the true one is less in 95 % of joints)"
     for (model, mesh), rows in known.groupby(["model", "mesh_m"], sort=False):
         row = rows.loc[rows["mesh_error"].idxmax()]
-        variant = "" if row["variant"] == REFERENCE else f", {row['variant']}"
+        case = varied(row["case"], row["variant"])
         yield (
-            f"  {model} mesh {mesh:g} m: {100 * row['mesh_error']:.2f} % ({row['case']}{variant})"
+            f"  {model} mesh {mesh:g} m: {100 * row['mesh_error']:.2f} % ({case})"
             + (f", ABOVE {100 * MESH_LIMIT:g} %" if row["mesh_error"] > MESH_LIMIT else "")
         )
     high = known[known["mesh_error"] > MESH_LIMIT]
@@ -250,8 +251,8 @@ def spread_lines(capacity: pd.DataFrame) -> Iterator[str]:
         f"{100 * AGREEMENT:g} % in {len(far)} of {len(known)} cases"
     )
     for row in far.itertuples():
-        variant = "" if row.variant == REFERENCE else f", {row.variant}"
-        yield f"  {row.case}{variant}: {100 * float(row.peak_spread):.1f} %"
+        case = varied(row.case, row.variant)
+        yield f"  {case}: {100 * float(row.peak_spread):.1f} %"
 
 
 def _fits(

@@ -47,41 +47,33 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
 
     The detailed models are those that SiDMACIB's weights were read from, in the table's order.
     """
-    limit, error = capacity[capacity["model"] == "sidmacib"], "mesh_error_carried"
+    carried = detailed_curves(capacity)[["model", "case", "load_N", "mesh_error"]]
+    carried = carried.rename(columns={"model": "weights_from"})
+    promised = capacity[capacity["model"] == "sidmacib"]
+    both = promised.merge(carried, on=["weights_from", "case"], suffixes=("", "_carried"))
+    both = both.dropna(subset=["load_N_carried"])  # a case without a result
+    names = ["weights_from", "sample", "locks", "mesh_m", "option", "friction", "reduction"]
     rows = []
-    detailed = dict(detailed_curves(capacity))
-    for model, curves in detailed.items():
-        promised = limit[limit["weights_from"] == model]
-        both = promised.merge(
-            curves[["case", "load_N", "mesh_error"]], on="case", suffixes=("", "_carried")
-        )
-        if len(both) != len(promised):
-            raise ValueError(
-                f"{model}: {len(promised)} loads of SiDMACIB, but {len(both)} to compare with"
-            )
-        both = both.dropna(subset=["load_N_carried"])  # a case without a result
-        names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
-        for values, curve in both.groupby(names, sort=False):
-            errors = load_errors(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
-            named = dict(zip(names, values, strict=True))
-            extent = {"directions": len(curve), "largest_mesh_error": curve[error].max()}
-            rows.append({"model": model, **named, **errors, **extent})
+    for values, curve in both.groupby(names, sort=False):
+        errors = load_errors(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
+        named = dict(zip(names, values, strict=True))
+        largest = curve["mesh_error_carried"].max()
+        rows.append({**named, **errors, "directions": len(curve), "largest_mesh_error": largest})
     if not rows:
         return pd.DataFrame(columns=list(FIT.columns))
-    table = pd.DataFrame(rows)
-    table["model"] = pd.Categorical(table["model"], list(detailed))  # the leading one first
+    table = pd.DataFrame(rows).rename(columns={"weights_from": "model"})
+    # The leading one first.
+    table["model"] = pd.Categorical(table["model"], carried["weights_from"].unique())
     groups = ["model", "sample", "mesh_m"]
     table["rank"] = table.groupby(groups, observed=True)["misfit"].rank(method="min").astype(int)
     table = table.sort_values([*groups, "rank", "option", "friction", "reduction"])
     return table.astype({"model": str})
 
 
-def detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The models that SiDMACIB's weights were read from, with their capacities."""
+def detailed_curves(capacity: pd.DataFrame) -> pd.DataFrame:
+    """Capacities of the models that SiDMACIB's weights were read from."""
     used = capacity["weights_from"].dropna().unique()
-    carried = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
-    for model, rows in carried.groupby("model", sort=False):
-        yield str(model), rows
+    return capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
 
 
 def best_pair(
@@ -122,17 +114,16 @@ def best_pair(
 
 def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     """`best_pair` for each detailed model, sample and mesh, without and with friction."""
-    known = study_points(study, capacity.dropna(subset=["load_N"]))
+    known = detailed_curves(study_points(study, capacity.dropna(subset=["load_N"])))
     rows: list[dict[str, Any]] = []
-    for model, curves in detailed_curves(known):
-        for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
-            joint = study.joint(str(sample))
-            if len(curve) < 3 or not joint.interlocking:  # two unknowns fit any two loads
-                continue
-            for friction in (False, True):
-                best = best_pair(joint, study.sidmacib.overload, friction, curve)
-                names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
-                rows.append({**names, "friction": friction, **best})
+    for (model, sample, mesh), curve in known.groupby(["model", "sample", "mesh_m"], sort=False):
+        joint = study.joint(str(sample))
+        if len(curve) < 3 or not joint.interlocking:  # two unknowns fit any two loads
+            continue
+        for friction in (False, True):
+            best = best_pair(joint, study.sidmacib.overload, friction, curve)
+            names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
+            rows.append({**names, "friction": friction, **best})
     return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
 
 
