@@ -26,8 +26,7 @@ from workflow.case import (
 from workflow.cases import cases_of, second_mesh, structure_cases
 from workflow.consistency import node_estimate
 from workflow.schema import Study
-from workflow.threedec import RETURNED as PRINTED
-from workflow.threedec import deck_folder, decks
+from workflow.threedec import PRINTED, deck_folder, decks
 
 # A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
 BATCH, BATCH_TIME = 512, 120.0  # cases, s

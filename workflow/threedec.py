@@ -35,7 +35,7 @@ from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step
 
 MODEL = "3dec"
-TEMPLATE, DECK, RETURNED = "3dec.dat.j2", "joint.dat", "results.txt"
+TEMPLATE, DECK, PRINTED = "3dec.dat.j2", "joint.dat", "results.txt"
 INCREMENT = 0.0025  # -, of the load, over the strength of the lower locks
 ROUNDS = 4000  # at most: ten times the strength of the lower locks
 RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to wait for it
@@ -171,10 +171,10 @@ def read_returned(text: str, case: JointCase) -> tuple[Problem, Outcome]:
             if found[3] > 0.0:  # otherwise no part of the face belongs to it
                 rows.append((numbers[frozenset(values[:2])], found))
     if not ended or len(loads) != 2 or not rows:
-        raise ResultError(f"{RETURNED}: incomplete; run the deck again")
+        raise ResultError(f"{PRINTED}: incomplete; run the deck again")
     if of != fingerprint(case):
         raise ResultError(
-            f"{RETURNED}: results of {of}; they must be results of {fingerprint(case)}"
+            f"{PRINTED}: results of {of}; they must be results of {fingerprint(case)}"
         )
     on_its_nodes, outcome = _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))
     return problem._replace(assembly=on_its_nodes), outcome
@@ -186,7 +186,7 @@ def _numbers(values: list[str], count: int, line: int) -> list[float]:
     except ValueError:
         found = []
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise ResultError(f"{RETURNED}, line {line}: must have {count} finite numbers")
+        raise ResultError(f"{PRINTED}, line {line}: must have {count} finite numbers")
     return found
 
 
@@ -199,7 +199,7 @@ def _outcome(
     for covered_face, area in zip(assembly.faces, covered, strict=True):
         if not math.isclose(area, covered_face.area, rel_tol=0.01):
             raise ResultError(
-                f"{RETURNED}: {area:g} m2 of subcontacts on {covered_face.name}; they must "
+                f"{PRINTED}: {area:g} m2 of subcontacts on {covered_face.name}; they must "
                 "cover all of its "
                 f"{covered_face.area:g} m2"
             )
