@@ -86,11 +86,11 @@ def test_the_worst_joint_is_solved_with_more_locks(monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.study
+@pytest.mark.usefixtures("small")
 def test_an_attack_finds_a_rule_that_is_not_safe(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attack, "POPULATION", 3)
     honest = attack.safe_load
     monkeypatch.setattr(attack, "safe_load", lambda target: 1.2 * (honest(target) or 0.0) or None)
-    worst = search(SPACES[0], seed=1, evaluations=1)
+    worst = search(RIGID[1], seed=1, evaluations=1)
     assert worst.ratio > 1.0
     row = row_of(worst)
     assert row["safe_over_first_failure"] == worst.ratio

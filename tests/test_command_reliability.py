@@ -116,6 +116,7 @@ def test_the_note_is_well_formed_needs_no_other_file_and_is_the_same_each_time(
             ElementTree.fromstring(part)
 
 
+@pytest.mark.study
 @needs_browser
 def test_the_note_prints_on_two_pages_and_fits_a_telephone(tmp_path: Path, browser: Any) -> None:
     path = tmp_path / "note.html"

@@ -66,7 +66,7 @@ def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
 
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     python = ("--python", sys.executable)
-    run(uv, "build", "--no-build-isolation", *python, "--out-dir", tmp_path, ROOT)
+    run(uv, "build", "--wheel", "--no-build-isolation", *python, "--out-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         modules = {name for name in archive.namelist() if name.endswith(".py")}

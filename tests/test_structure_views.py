@@ -276,6 +276,7 @@ def opened(browser: Any, written: Path) -> Iterator[Opened]:
     found.page.close()
 
 
+@pytest.mark.study
 @needs_browser
 def test_the_page_opens_without_an_error_and_fits_a_telephone(opened: Opened) -> None:
     assert opened.errors == []
@@ -286,6 +287,7 @@ def test_the_page_opens_without_an_error_and_fits_a_telephone(opened: Opened) ->
     assert names["load"] and names["reaction"]
 
 
+@pytest.mark.study
 @needs_browser
 def test_blocks_move_apart_and_as_the_mechanism_does(opened: Opened) -> None:
     page = opened.page
