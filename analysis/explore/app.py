@@ -4,14 +4,13 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache
 from pathlib import Path
 from threading import Thread
 from typing import Annotated, Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, ValidationError
 from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, NotFound
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
@@ -26,7 +25,7 @@ from analysis.explore.examples import (
     checked_choice,
     defaults,
 )
-from analysis.explore.files import OPENED, OpenedFiles
+from analysis.explore.files import OPENED, OpenedFiles, SentFile
 from analysis.explore.pictures import (
     answers,
     covered,
@@ -37,7 +36,7 @@ from analysis.explore.pictures import (
     results,
     which_counts,
 )
-from analysis.explore.requests import HEADERS, Desk, SupersededError, in_one_line, require_own
+from analysis.explore.requests import HEADERS, Desk, SupersededError, require_own
 from analysis.explore.state import (
     SLIDERS,
     Checked,
@@ -53,16 +52,17 @@ from analysis.explore.state import (
 )
 from analysis.explore.structures import STAGES, answered, same, structure_answer
 from sidmacib.errors import CapacityError, ResultError
+from sidmacib.scene.page import HERE as SCENE
+from sidmacib.scene.page import rendered
 
 HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
 PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
-DRAWING = HERE.parents[1] / "sidmacib/scene"
 FILES = (
     *((HERE / f"{name}.js", SCRIPT) for name in ("server", "controls", "explore", "structures")),
     (HERE / "explore.css", STYLE),
-    *((DRAWING / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
+    *((SCENE / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
 )
 # Of the page of a file, which has its scripts in it and asks for pages of other files only.
 POLICY_OF_FILES = (
@@ -74,15 +74,6 @@ SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
 FAULTS = (CapacityError, ResultError, ValueError, ArithmeticError, MemoryError)  # of a file
-ABOUT = (
-    "Curve: peak of the static model, on the same mesh as the command's; for elastic blocks, first "
-    "failure by the law. Green bars: range in which the law was tested, all other inputs "
-    "unchanged. Arrows: the direction that raises the first failure (static model); the number is "
-    "its change for +1 %. The tensile strength is proportional to the cohesion. Lock 1 is on the "
-    "left. Strengths are means if a scatter is given, characteristic values if only "
-    "\N{GREEK SMALL LETTER GAMMA}_M is, and else design values: the safe load has a margin for the "
-    "model, not for their scatter. No data leave this machine."
-)
 
 
 class Explorer:
@@ -109,7 +100,7 @@ class Explorer:
             require_own(request, int(environ["SERVER_PORT"]))
             response = self._respond(request)
         except HTTPException as error:
-            response = Response(in_one_line(error), error.code)
+            response = Response(f"{error.code} {error.name}: {error.description}\n", error.code)
         except SupersededError:
             response = Response(status=SUPERSEDED)
         for name, value in HEADERS.items():
@@ -176,7 +167,7 @@ class Explorer:
                 with self._desk.turn(*asked.turn):
                     points.append(peak(each.joint, ratio))
             with self._desk.turn(*asked.turn):
-                counted.append(_counted(each))
+                counted.append(which_counts(each))
                 told.append(results(each, answers(each), counted[-1]))
             known = [point for point in points if point is not None]
             lines.append({name: [getattr(p, name) for p in known] for name in ("shear", "torque")})
@@ -219,20 +210,27 @@ class Explorer:
         asked, given = _asked(request, _sent)
         try:
             with self._desk.turn(*asked.turn):
-                page = self._files.opened(*given.state)
+                page = self._files.opened(given.state.files, given.state.kept)
         except FAULTS as error:
             return {**asked.echo(given), "page": None, "error": " ".join(str(error).split())}
         return {**asked.echo(given), "page": page, "error": None}
 
 
-def _sent(values: Mapping[str, object]) -> Checked[tuple[list[Any], int]]:
+class _Sent(BaseModel):
     """Files, and the number of the one that they are compared with, 0 for none."""
-    files, kept = values.get("files"), values.get("kept", 0)
-    if not isinstance(files, list) or not all(isinstance(each, dict) for each in files):
-        raise BadRequest("files must be a list of objects with name and data.")
-    if not isinstance(kept, int):
-        raise BadRequest("kept must be the number of a file.")
-    return Checked((files, kept), ())
+
+    files: list[SentFile]
+    kept: int = 0
+
+
+def _sent(values: Mapping[str, object]) -> Checked[_Sent]:
+    try:
+        return Checked(_Sent.model_validate(values), ())
+    except ValidationError:
+        raise BadRequest(
+            "files must be a list of objects with name and data in base64, "
+            "and kept the number of a file."
+        ) from None
 
 
 class _Post(BaseModel):
@@ -278,13 +276,10 @@ def _link(request: Request, path: str, found: Checked[Any]) -> str:
     return f"{request.host_url}{path}?{query}".rstrip("?")
 
 
-_counted = lru_cache(maxsize=64)(which_counts)
-
-
 def page(link: Checked[Settings]) -> str:
     """The page of a joint as HTML, with the sliders as ``link`` has them."""
     kept = link.kept and link.kept.values
-    return _rendered("page", SLIDERS, link, values=link.state.values, kept=kept, about=ABOUT)
+    return _rendered("joint", SLIDERS, link, values=link.state.values, kept=kept)
 
 
 def structures_page(link: Checked[Chosen]) -> str:
@@ -302,11 +297,8 @@ def structures_page(link: Checked[Chosen]) -> str:
 
 
 def _rendered(name: str, sliders: Mapping[str, Slider], link: Checked[Any], **content: Any) -> str:
-    files = FileSystemLoader([HERE, DRAWING])
-    environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
-    return environment.get_template(f"{name}.html.j2").render(
-        plotly=PLOTLY, sliders=sliders, notes=link.notes, **content
-    )
+    template = HERE / f"{name}.html.j2"
+    return rendered(template, plotly=PLOTLY, sliders=sliders, notes=link.notes, **content)
 
 
 @cache

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ class Example:
     file: str
     words: str
     load: Key = ("load", "acceleration")
-    keys: tuple[tuple[str, Key], ...] = tuple(_LAW.items())
+    keys: Mapping[str, Key] = field(default_factory=lambda: _LAW)
 
     @property
     def tilts(self) -> bool:
@@ -56,7 +56,7 @@ class Example:
         return {
             name: each
             for name, each in STRUCTURE_SLIDERS.items()
-            if name in {*dict(self.keys), *angles}
+            if name in self.keys or name in angles
         }
 
 
@@ -75,11 +75,11 @@ EXAMPLES = {
         "trilith",
         "structures/trilith.yaml",
         "Horizontal acceleration. Only the lintel and its left post are bonded.",
-        keys=(
-            ("friction", ("interfaces", "friction")),
-            ("cohesion", ("special", 0, "cohesion")),
-            ("tensile_strength", ("special", 0, "tensile_strength")),
-        ),
+        keys={
+            "friction": ("interfaces", "friction"),
+            "cohesion": ("special", 0, "cohesion"),
+            "tensile_strength": ("special", 0, "tensile_strength"),
+        },
     ),
     "keyed": Example(
         "block on locks",
@@ -87,19 +87,19 @@ EXAMPLES = {
         "Horizontal force on the block. Cohesion and tensile strength apply to the roots of the "
         "locks, friction to their other faces.",
         ("load", "force", "direction"),
-        (
-            ("locks", ("locks", 0, "count")),
-            ("friction", ("locks", 0, "dry", "friction")),
-            ("cohesion", ("locks", 0, "inner", "cohesion")),
-            ("tensile_strength", ("locks", 0, "inner", "tensile_strength")),
-        ),
+        {
+            "locks": ("locks", 0, "count"),
+            "friction": ("locks", 0, "dry", "friction"),
+            "cohesion": ("locks", 0, "inner", "cohesion"),
+            "tensile_strength": ("locks", 0, "inner", "tensile_strength"),
+        },
     ),
     "vault": Example(
         "flat vault of Abeille's blocks",
         "flat_vault/vault3.yaml",
         "Force on the middle block. Friction applies to every joint. Takes some seconds.",
         ("load", "force", "direction"),
-        (("friction", ("interfaces", "friction")),),  # with bonds up to half a minute
+        {"friction": ("interfaces", "friction")},  # with bonds up to half a minute
     ),
     "stack": Example(
         "tilted stack of blocks",
@@ -123,11 +123,16 @@ class Chosen:
     model: str = STRUCTURE_MODELS[0]
 
     @property
+    def path(self) -> Path:
+        """The file of the example."""
+        return STUDIES / EXAMPLES[self.example].file
+
+    @property
     def description(self) -> dict[str, Any]:
         """The structure and its load, as in a file for `multilock assembly`."""
         example, values = EXAMPLES[self.example], dict(self.values)
         found = deepcopy(_original(self.example))
-        for name, key in example.keys:
+        for name, key in example.keys.items():
             value = values[name] * (1.0 if name in ("friction", "locks") else 1e3)
             _part(found, key[:-1])[key[-1]] = int(value) if name == "locks" else value
         _part(found, example.load[:-1])[example.load[-1]] = _direction(values, example.tilts)
@@ -182,7 +187,7 @@ def defaults(name: str) -> dict[str, float]:
     """The sliders' values for an example as its file has it."""
     example, found = EXAMPLES[name], _original(name)
     values = {}
-    for slider, key in example.keys:
+    for slider, key in example.keys.items():
         value = float(_part(found, key[:-1]).get(key[-1], 0.0))
         values[slider] = value if slider in ("friction", "locks") else value / 1e3
     x, y, z = _part(found, example.load)

@@ -1,7 +1,5 @@
 """Files that are opened in the explorer: the page that `multilock assembly --report` writes."""
 
-import base64
-import binascii
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,6 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
+from pydantic import Base64Bytes, BaseModel
 from werkzeug.exceptions import NotFound
 
 from analysis.explore.comparison import compared
@@ -28,6 +27,13 @@ HERE = Path(__file__).parent
 TEMPLATE, SCRIPT = HERE / "opened.html.j2", HERE / "server.js"
 
 
+class SentFile(BaseModel):
+    """A file as the page sends it."""
+
+    name: str
+    data: Base64Bytes
+
+
 class OpenedFiles:
     """The structures that were sent last, by number."""
 
@@ -35,7 +41,7 @@ class OpenedFiles:
         self._found: dict[int, OpenedFile] = {}
         self._newest = 0
 
-    def opened(self, files: Sequence[Mapping[str, Any]], kept: int) -> str:
+    def opened(self, files: Sequence[SentFile], kept: int) -> str:
         """The address of the page of ``files``, beside the one with the number ``kept``, if any.
 
         Errors of the models; ValueError for files of something else.
@@ -83,8 +89,8 @@ class OpenedFile(NamedTuple):
         return page(data, {**own, **words, **shown}, TEMPLATE)
 
 
-def opened_files(files: Sequence[Mapping[str, Any]]) -> list[OpenedFile]:
-    """The structures in ``files``, each a name and data in base64; one, or two to compare.
+def opened_files(files: Sequence[SentFile]) -> list[OpenedFile]:
+    """The structures in ``files``; one, or two to compare.
 
     YAML files with blocks count, which may name the others; if there are none, files of blocks,
     to which a YAML file of the same name says what they lack. Errors of the models; ValueError for
@@ -120,17 +126,11 @@ def _opened(path: Path) -> OpenedFile:
     return OpenedFile(name, answer)
 
 
-def _written(file: Mapping[str, Any], folder: Path) -> Path:
-    name, data = file.get("name"), file.get("data")
-    if not isinstance(name, str) or not isinstance(data, str):
-        raise ValueError("each file must have a name and data")
-    path = folder / Path(name).name
+def _written(file: SentFile, folder: Path) -> Path:
+    path = folder / Path(file.name).name
     if path == folder or path.name.startswith("."):
-        raise ValueError(f"{name!r} is not allowed; it must be the name of a file")
-    try:
-        path.write_bytes(base64.b64decode(data, validate=True))
-    except binascii.Error:
-        raise ValueError(f"{path.name}: its data must be in base64") from None
+        raise ValueError(f"{file.name!r} is not allowed; it must be the name of a file")
+    path.write_bytes(file.data)
     return path
 
 

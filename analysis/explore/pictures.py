@@ -21,7 +21,7 @@ from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_weights
-from sidmacib.rule import RULES, LawCapacity, first_failure, law, require_covered
+from sidmacib.rule import RULES, LawCapacity, first_failure, require_covered
 from sidmacib.rule.reliability import resistances
 
 SYMBOLS = {"law": "x", "safe": "star", "characteristic": "diamond", "design": "circle"}
@@ -94,7 +94,7 @@ def peak(joint: Joint, ratio: float) -> Peak | None:
 
 def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
     try:
-        law(joint, direction)  # refuses joints outside its tested ranges
+        require_covered(joint)
         state = first_failure(joint, Loading(direction))
     except (CapacityError, ValueError):
         return None

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Condition
 
-from werkzeug.exceptions import Forbidden, HTTPException, UnsupportedMediaType
+from werkzeug.exceptions import Forbidden, UnsupportedMediaType
 from werkzeug.wrappers import Request
 
 NAMES = ("127.0.0.1", "localhost", "[::1]")
@@ -52,11 +52,6 @@ def require_own(request: Request, port: int) -> None:
     if request.method == "POST" and request.mimetype != "application/json":
         raise UnsupportedMediaType("A post must be application/json.")
     request.max_content_length = MOST_BYTES.get(request.path, MOST_OF_OTHERS)
-
-
-def in_one_line(error: HTTPException) -> str:
-    """The fault of a request."""
-    return f"{error.code} {error.name}: {error.description}\n"
 
 
 class SupersededError(Exception):

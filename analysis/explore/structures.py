@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.explore.comparison import Figure
-from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, STUDIES, Chosen
+from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.command.answers import Row
 from sidmacib.command.structure_views import Views
@@ -82,7 +82,7 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Figure]]:
 @lru_cache(maxsize=KEPT)
 def demand(chosen: Chosen) -> Demand:
     """An example and its load."""
-    return demands_of(chosen.description, _file(chosen).parent)[0]
+    return demands_of(chosen.description, chosen.path.parent)[0]
 
 
 @lru_cache(maxsize=KEPT)
@@ -101,7 +101,7 @@ def static(chosen: Chosen) -> StaticAnswer | CapacityError:
 def answered(chosen: Chosen) -> StructureAnswer:
     """What the command says of an example."""
     parts = demand(chosen), limit(chosen), static(chosen)
-    return StructureAnswer.of(_file(chosen), chosen.description, *parts)
+    return StructureAnswer.of(chosen.path, chosen.description, *parts)
 
 
 STAGES = (limit, static, answered)  # what an answer needs, in this order
@@ -127,7 +127,3 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
 def same(chosen: Chosen) -> Chosen:
     """The structure whatever is drawn of it: what results are kept by."""
     return replace(chosen, model=STRUCTURE_MODELS[0])
-
-
-def _file(chosen: Chosen) -> Path:
-    return STUDIES / EXAMPLES[chosen.example].file
