@@ -19,8 +19,7 @@ from analysis.calibration.candidates import (
     PEAK_AIM,
     PEAK_SCALE,
     WEIGHT_SCALE,
-    best_rows,
-    candidate_of,
+    best_trials,
     candidate_study,
     candidates,
     check,
@@ -34,7 +33,7 @@ from analysis.calibration.candidates import (
     read_as_degrees,
     study_candidates,
 )
-from analysis.figures import style
+from analysis.figures import drawn_files, style
 from analysis.published import Published, read_published
 from workflow.command import snakemake
 from workflow.configuration import CallError, read_study_file
@@ -58,17 +57,16 @@ def calibrate(config: Path, results: str | None) -> None:
     of_study = {f"own{n}": each for n, each in enumerate(study_candidates(study, published))}
 
     every = {f"g{n:05}": each for n, each in enumerate(candidates(study, published))} | of_study
-    solved = run_study(place / "map.yaml", candidate_study(study, locks, every, str(place / "map")))
+    solved = run_study(place / "map", candidate_study(study, locks, every))
     table = misfit_table(*solved, published)
     write(table, place / "map.csv")
     grid = table[~table["candidate"].isin(of_study)]
     by_friction = friction_table(grid)
     write(by_friction, place / "friction.csv")
 
-    best = [candidate_of(row) for _, row in best_rows(grid).iterrows()]
-    ranked = {f"rank{rank}": each for rank, each in enumerate(best, start=1)}
-    content = curve_study(study, locks, of_study | ranked, str(place / "curves"))
-    curves = curve_table(*run_study(place / "curves.yaml", content)[:2])
+    ranked = {f"rank{rank}": each for rank, each in enumerate(best_trials(grid), start=1)}
+    solved = run_study(place / "curves", curve_study(study, locks, of_study | ranked))
+    curves = curve_table(*solved[:2])
     write(curves, place / "curves.csv")
     own = table[table["candidate"].isin(of_study)]
     for name, figure in (
@@ -76,22 +74,24 @@ def calibrate(config: Path, results: str | None) -> None:
         ("geometry", geometries(grid, own)),
         ("curves", shapes(curves, set(of_study))),
     ):
-        paths = [Path(study.results, f"figures/calibration_{name}.{k}") for k in ("png", "pdf")]
-        style.save(figure, paths)
+        files = drawn_files([f"calibration_{name}"])
+        style.save(figure, [Path(study.results, file) for file in files])
 
     chosen = of_study | dict([*ranked.items()][: study.calibration.confirmed])
-    content = engine_study(study, locks, chosen, str(place / "best"))
-    confirmed = misfit_table(*run_study(place / "best.yaml", content), published)
+    solved = run_study(place / "best", engine_study(study, locks, chosen))
+    confirmed = misfit_table(*solved, published)
     write(confirmed, Path(study.results, "tables/calibration.csv"))
     print(describe(confirmed, by_friction, published), end="")
 
 
-def run_study(path: Path, content: Mapping[str, Any]) -> tuple[Study, pd.DataFrame, pd.DataFrame]:
-    """Write a configuration, run its cases, and return the study with its cases and weights."""
+def run_study(folder: Path, content: Mapping[str, Any]) -> tuple[Study, pd.DataFrame, pd.DataFrame]:
+    """Write a configuration, run its cases, and return the study with its cases and weights.
+
+    The results are in ``folder``, the configuration beside it.
+    """
+    path = folder.with_suffix(".yaml")
     path.parent.mkdir(parents=True, exist_ok=True)
-    text = yaml.safe_dump(dict(content), sort_keys=False)
-    if not path.is_file() or path.read_text() != text:
-        path.write_text(text)
+    path.write_text(yaml.safe_dump({"results": str(folder), **content}, sort_keys=False))
     study = read_study_file(path)
     tables = [Path(study.results, f"tables/{name}.csv") for name in ("cases", "weights")]
     if not snakemake(path, study.results, [str(table) for table in tables]):

@@ -26,20 +26,21 @@ from sidmacib.model import Ability
 from sidmacib.models import MODELS
 from workflow.configuration import ConfigError
 from workflow.schema import Study
-from workflow.schema.sections import GeometrySection as Geometry
 
 # Of a peak: published ones of a sample differ by 0.03 and 0.55 % between the meshes.
 PEAK_SCALE = 0.005
 WEIGHT_SCALE = 0.02  # -, of a weight: printed with two digits, as mean stresses at one instant
 PEAK_AIM, WEIGHT_AIM = 0.005, 0.04  # largest differences of a joint that fits
 ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
-SIZE_COLUMNS = ("a_m", "b_m", "h_m", "H_m")
 
 
 class Trial(NamedTuple):
-    """A geometry, and the friction coefficient of the dry faces."""
+    """Sizes of a joint (m), and the friction coefficient of its dry faces."""
 
-    geometry: Geometry
+    a: float
+    b: float
+    h: float
+    H: float
     friction: float
 
 
@@ -50,24 +51,18 @@ def candidates(study: Study, published: Published) -> Iterator[Trial]:
     axes = (grid.a, grid.height_share, grid.height_over_b, grid.friction)
     for a, share, ratio, friction in product(*axes):
         b = area / a
-        geometry = Geometry(a=a, b=b, h=share * ratio * b, H=(1.0 - share) * ratio * b)
-        yield Trial(geometry, friction)
+        yield Trial(a, b, share * ratio * b, (1.0 - share) * ratio * b, friction)
 
 
 def study_candidates(study: Study, published: Published) -> list[Trial]:
     """The joints of the study's published samples, each size and friction once."""
-    chosen: list[Trial] = []
-    for sample in published.samples(study):
-        joint = study.joint(sample)
-        candidate = Trial(geometry_of(joint), joint.dry.friction)
-        if candidate not in chosen:
-            chosen.append(candidate)
-    return chosen
+    joints = map(study.joint, published.samples(study))
+    return list(dict.fromkeys(map(trial_of, joints)))
 
 
-def geometry_of(joint: Joint) -> Geometry:
-    """The sizes of ``joint``."""
-    return Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
+def trial_of(joint: Joint) -> Trial:
+    """The sizes and the friction of ``joint``."""
+    return Trial(joint.a, joint.b, joint.h, joint.H, joint.dry.friction)
 
 
 def read_as_degrees(published: Published) -> float:
@@ -76,18 +71,17 @@ def read_as_degrees(published: Published) -> float:
 
 
 def candidate_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial]
 ) -> dict[str, Any]:
     """Configuration of a study of the static model in pure shear on ``chosen`` candidates.
 
     Its samples are called candidate_n and the number of locks.
     """
     return {
-        "results": results,
         "samples": {
             f"{name}_n{n}": {
                 "locks": n,
-                **candidate.geometry.model_dump(),
+                **{"a": candidate.a, "b": candidate.b, "h": candidate.h, "H": candidate.H},
                 "dry": {"friction": candidate.friction},
             }
             for name, candidate in chosen.items()
@@ -102,20 +96,16 @@ def candidate_study(
     }
 
 
-def curve_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
-) -> dict[str, Any]:
+def curve_study(study: Study, locks: Sequence[int], chosen: Mapping[str, Trial]) -> dict[str, Any]:
     """The same in all directions, `ANGLES` apart."""
     ratios = [float(r) for r in np.tan(np.radians(ANGLES[:-1]))]
-    return candidate_study(study, locks, chosen, results) | {"eccentricities": [*ratios, "torsion"]}
+    return candidate_study(study, locks, chosen) | {"eccentricities": [*ratios, "torsion"]}
 
 
-def engine_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
-) -> dict[str, Any]:
+def engine_study(study: Study, locks: Sequence[int], chosen: Mapping[str, Trial]) -> dict[str, Any]:
     """The same in pure shear, in the study's engines as well that know rigid pieces."""
     able = [name for name in study.dem.engines if Ability.RIGID in MODELS[name].abilities]
-    return candidate_study(study, locks, chosen, results) | {
+    return candidate_study(study, locks, chosen) | {
         "dem": {**study.dem.model_dump(mode="json"), "engines": able}
     }
 
@@ -154,10 +144,10 @@ def misfit_table(
             continue  # a case without a result
         peaks = {place: float(loads[key]) for place, key in at.items()}
         shares = {place: lists[key] for place, key in at.items()}
-        joint = study.joint(next(iter(samples)))
+        trial = trial_of(study.joint(next(iter(samples))))
         rows.append(
-            {"candidate": name, "model": model, "friction": joint.dry.friction}
-            | size_columns(geometry_of(joint))
+            {"candidate": name, "model": model, "friction": trial.friction}
+            | size_columns(trial)
             | misfit_columns(peaks, shares, published)
         )
     return pd.DataFrame(rows)
@@ -220,13 +210,14 @@ def friction_table(table: pd.DataFrame) -> pd.DataFrame:
     return best.reset_index().drop(columns=["candidate", "model"])
 
 
-def size_columns(geometry: Geometry) -> dict[str, float]:
-    """Sizes of a geometry, and the two ratios that pure shear depends on."""
-    height = geometry.h + geometry.H
-    sizes = (geometry.a, geometry.b, geometry.h, geometry.H)
-    ratios = {"height_share": geometry.h / height, "height_over_b": height / geometry.b}
-    ratios = {name: round(value, 9) for name, value in ratios.items()}  # as in the grid
-    return dict(zip(SIZE_COLUMNS, sizes, strict=True)) | ratios
+def size_columns(trial: Trial) -> dict[str, float]:
+    """Sizes of a joint, and the two ratios that pure shear depends on."""
+    height = trial.h + trial.H
+    return {
+        **{"a_m": trial.a, "b_m": trial.b, "h_m": trial.h, "H_m": trial.H},
+        "height_share": round(trial.h / height, 9),  # as in the grid
+        "height_over_b": round(height / trial.b, 9),
+    }
 
 
 def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:
@@ -241,7 +232,7 @@ def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:
         points = ordered[["shear_N", "torque_Nm"]].to_numpy()
         joint = study.joint(str(sample))
         shape = two_parts(points)
-        sizes = size_columns(geometry_of(joint))
+        sizes = size_columns(trial_of(joint))
         names = {"candidate": str(sample).partition("_")[0], "friction": joint.dry.friction}
         rows += [
             {**names, **sizes, "locks": joint.locks, "shear_N": shear, "torque_Nm": torque, **shape}
@@ -250,16 +241,11 @@ def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def best_rows(table: pd.DataFrame) -> pd.DataFrame:
+def best_trials(table: pd.DataFrame) -> list[Trial]:
     """The best candidate of each length a, by the misfit with swapped weights, best first."""
-    best = table.loc[table.groupby("a_m")["misfit_swapped"].idxmin()]
-    return best.sort_values("misfit_swapped")
-
-
-def candidate_of(row: pd.Series) -> Trial:
-    """The candidate of a row of `misfit_table`."""
-    geometry = Geometry(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
-    return Trial(geometry, float(row["friction"]))
+    best = table.loc[table.groupby("a_m")["misfit_swapped"].idxmin()].sort_values("misfit_swapped")
+    sizes = best[["a_m", "b_m", "h_m", "H_m", "friction"]]
+    return [Trial(*row) for row in sizes.to_numpy().tolist()]
 
 
 def describe(table: pd.DataFrame, frictions: pd.DataFrame, published: Published) -> str:
@@ -302,7 +288,7 @@ def check(study: Study, published: Published) -> list[int]:
         for n in locks:
             published_peak(published, n, mesh)
     every = [*candidates(study, published), *study_candidates(study, published)]
-    shortest = min(min(each.geometry.a, each.geometry.b) for each in every)
+    shortest = min(min(each.a, each.b) for each in every)
     coarsest = max(study.calibration.meshes)
     if shortest <= coarsest:
         raise ConfigError(
