@@ -28,8 +28,7 @@ from benchmarks.usage import seconds, used
 from sidmacib.engines import ENGINES
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Problem
@@ -66,8 +65,7 @@ class Figure(NamedTuple):
 
 def problem(joint: Joint, mesh: float = 0.02, ratio: float = 0.0) -> Problem:
     """A joint under V at ``ratio`` (e / a)."""
-    assembly = assemble(joint, mesh)
-    return Problem(assembly, lateral_load(joint, assembly, Loading(Direction(ratio))))
+    return posed(joint, Loading(Direction(ratio)), mesh)
 
 
 def numbered(number: int) -> Problem:

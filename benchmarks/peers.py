@@ -23,15 +23,14 @@ from benchmarks.usage import seconds
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
 from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble, cut_pieces
+from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.pieces import cut_pieces
 from sidmacib.mechanics.assembly import Cuboid, Floats
 from sidmacib.mechanics.static import static_peak
+from sidmacib.structure.blocks import box
 
 DIRECTIONS = 200
 STEPS = 100  # of compas_lmgc90 to rest
-# Corners of each side of a box, outwards; corner x + 2 y + 4 z, 0 or 1 each.
-BOX_SIDES = ([0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5])
 
 BY_CRA = """
 import sys, time
@@ -59,9 +58,8 @@ def peer_times(joint: Joint) -> Iterator[tuple[str, float]]:
         "the same programme, HiGHS of SciPy",
         _each(lambda: [furthest_by_highs(programme, way) for way in ways], DIRECTIONS),
     )
-    assembly = assemble(joint, 0.02)
-    loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
-    yield "static model, mesh 0.02 m, one point", _each(lambda: static_peak(assembly, loads), 1)
+    problem = posed(joint, Loading(Direction(0.0)), 0.02)
+    yield "static model, mesh 0.02 m, one point", _each(lambda: static_peak(*problem), 1)
     for name, solve in (("compas_cra", at_rest_by_cra), ("compas_lmgc90", at_rest_by_lmgc90)):
         if importlib.util.find_spec(name):
             yield f"{name}, the pieces at rest", _each(partial(solve, joint), 1)
@@ -105,11 +103,10 @@ def furthest_by_highs(programme: dict[str, Any], way: Floats) -> Floats:
 
 
 # --- rigid blocks --------------------------------------------------------------------------------
-def box(piece: Cuboid) -> tuple[list[list[float]], list[list[int]]]:
+def surface(piece: Cuboid) -> tuple[list[list[float]], list[list[int]]]:
     """Corners (m) and sides of a piece."""
-    ends = list(zip(piece.low, piece.high, strict=True))
-    corners = [[ends[0][x], ends[1][y], ends[2][z]] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
-    return corners, [list(side) for side in BOX_SIDES]
+    block = box(piece.name, piece.low, piece.high, 1.0)
+    return [[*corner] for corner in block.vertices], [[*side] for side in block.faces]
 
 
 def at_rest_by_cra(joint: Joint) -> object:
@@ -125,7 +122,7 @@ def at_rest_by_cra(joint: Joint) -> object:
     assembly = CRA_Assembly()
     pieces = cut_pieces(joint)
     for number, piece in enumerate(pieces):
-        assembly.add_block(Block.from_vertices_and_faces(*box(piece)), node=number)
+        assembly.add_block(Block.from_vertices_and_faces(*surface(piece)), node=number)
     assembly.set_boundary_conditions([n for n, piece in enumerate(pieces) if piece.fixed])
     assembly_interfaces_numpy(assembly, nmax=len(pieces), amin=1e-9, tmax=1e-6)
     with redirect_stdout(io.StringIO()):  # it prints its progress
@@ -153,7 +150,7 @@ def at_rest_by_lmgc90(joint: Joint) -> object:
 
     solver = Solver(dt=1e-4, density=joint.density)
     pieces = cut_pieces(joint)
-    shapes = [box(piece) for piece in pieces]
+    shapes = [surface(piece) for piece in pieces]
     solver.geometry_from_v_f([{"vertices": v, "faces": f} for v, f in shapes])
     solver.supports = [piece.fixed for piece in pieces]
     for number, piece in enumerate(pieces):

@@ -43,8 +43,8 @@ def wall(count: int) -> list[Block]:
     length, depth, height = BRICK
     courses = max(1, round(math.sqrt(count * length / (2 * height))))
     bricks = math.ceil(count / courses)
-    base = box("base", (-length, 0.0, -height), ((bricks + 1) * length, depth, 0.0), DENSITY)
-    blocks = [Block(base.name, base.vertices, base.faces, DENSITY, fixed=True)]
+    ends = (-length, 0.0, -height), ((bricks + 1) * length, depth, 0.0)
+    blocks = [box("base", *ends, DENSITY, fixed=True)]
     for course in range(courses):
         shift, low = (course % 2) * length / 2, course * height
         for number in range(bricks):
