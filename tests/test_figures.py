@@ -75,7 +75,7 @@ def face_and_nodes(request: pytest.FixtureRequest):
 
 def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
     face, nodes = face_and_nodes
-    corners = np.array(_cells(nodes, face, nodes))
+    corners = np.array(_cells(nodes, face))
     sides = np.ptp(corners, axis=1)
     assert sides.prod(axis=1).sum() == pytest.approx(1e6 * face.area)  # mm2
     for axis, corner in ((1, corners[..., 0]), (0, corners[..., 1])):

@@ -98,5 +98,5 @@ def test_figures_show_every_sample(study: Study, draw: Callable[..., Any], panel
     empty = pd.DataFrame()
     spec = FigureSpec("made_up", "made_up")
     models = detailed(study.model_names)
-    figure = draw(FigureData(spec, study, models, capacity, empty, empty, empty, table, None))
+    figure = draw(FigureData(spec, study, models, None, capacity, empty, empty, empty, table))
     assert len([axes for axes in figure.axes if axes.lines]) == panels

@@ -54,6 +54,12 @@ def shown_samples(study: Study) -> tuple[str, ...]:
     return tuple(study.samples)[:MOST_SAMPLES]
 
 
+def followed_models(study: Study, detailed: tuple[str, ...], sample: str) -> list[str]:
+    """The ``detailed`` models that run on the whole of a sample, the leading one first."""
+    here = study.models_of(sample)
+    return [model for model in detailed if model in here and study.whole_curve(sample, model)]
+
+
 def _figures(
     study: Study, detailed: tuple[str, ...], cases: list[JointCase]
 ) -> Iterator[FigureSpec]:
@@ -62,9 +68,8 @@ def _figures(
         interlocking = sample in study.interlocking
         if interlocking:
             yield FigureSpec(f"options-{sample}", "options", sample)
-        here = study.models_of(sample)
-        followed = [m for m in detailed if m in here and study.whole_curve(sample, m)]
-        own_engines = [model for model in study.dem.engines if model in here]
+        followed = followed_models(study, detailed, sample)
+        own_engines = [model for model in study.dem.engines if model in study.models_of(sample)]
         for model in dict.fromkeys((*followed[:1], *own_engines)):
             chosen = _stress_cases(cases, study, model, sample)
             if not chosen:

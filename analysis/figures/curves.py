@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.drawing import PUBLISHED, label_of, option_colour, option_name, rule_name
-from analysis.figures import REVISED, shown_samples, style
+from analysis.figures import REVISED, followed_models, shown_samples, style
 from analysis.figures.style import FigureData
 from sidmacib.drawing import GREY, vm_axes, vm_curve
 from sidmacib.mechanics.assembly import Floats
@@ -73,7 +73,7 @@ def meshes(material: FigureData) -> Figure:
         axis.remove()
     for axis, sample in zip(places, samples, strict=False):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
-            for model in material.detailed_of(sample):
+            for model in followed_models(material.study, material.detailed, sample):
                 model_curve(axis, material, model, sample, mesh, color=colour)
         published_point(axis, material.capacity, sample)
         measured_points(axis, material, sample)

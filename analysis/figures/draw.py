@@ -6,9 +6,10 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from analysis.figures import FigureSpec, curves, figures_of, joint, models, style
+from analysis.figures import curves, figures_of, joint, models, style
 from analysis.figures.style import FigureData, Stresses
 from sidmacib.models import detailed
+from workflow.case import JointCase
 from workflow.results import BATCH_NODES, read_records
 from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
 from workflow.schema import Study
@@ -29,13 +30,11 @@ DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
 KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES, VARIANTS)
 
 
-def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
-    """Stresses of the case whose record is in the file ``records``; None if it failed.
+def stresses_of(case: JointCase, records: Path) -> Stresses | None:
+    """Stresses of a ``case`` whose record is in the file ``records``; None if it failed.
 
     The nodes are in the case's own folder, or in those of the batch that it was solved in.
     """
-    case = spec.case
-    assert case is not None, f"{spec.name} shows no case"
     (record,) = (each for each in read_records([records]) if each.name == case.name)
     if record.error is not None:
         return None
@@ -56,19 +55,10 @@ def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     detailed_models = detailed(study.model_names)
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
     for name, spec in figures_of(study, detailed_models).items():
-        stresses = stresses_of(spec, inputs[name]) if name in inputs else None
-        material = FigureData(
-            spec,
-            study,
-            detailed_models,
-            capacity=tables["capacity"],
-            validation=tables["validation"],
-            table=tables["models"],
-            envelopes=tables["envelopes"],
-            variants=tables["variants"],
-            stresses=stresses,
-        )
-        figure = DRAWN_BY[spec.kind](material)
+        stresses = None
+        if spec.case is not None and name in inputs:
+            stresses = stresses_of(spec.case, inputs[name])
+        figure = DRAWN_BY[spec.kind](FigureData(spec, study, detailed_models, stresses, **tables))
         style.save(figure, [path for path in outputs["figures"] if path.stem == name])
 
 

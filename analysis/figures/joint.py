@@ -1,6 +1,7 @@
 """The joint from the side and from below, and maps of the shear stress on its inner faces."""
 
 import math
+from itertools import compress
 
 import numpy as np
 import pandas as pd
@@ -187,28 +188,20 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     }
     inner = shown.nodes[shown.nodes["face"].isin(numbers)]
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
+    corners = [
+        each
+        for name, nodes in inner.groupby("face", sort=False)
+        for each in _cells(nodes, faces[str(name)])
+    ]
     cells = PolyCollection(
-        [
-            corners
-            for name, nodes in inner.groupby("face", sort=False)
-            for corners in _cells(nodes, faces[str(name)], nodes)
-        ],
+        corners,
         array=magnitude.to_numpy() / 1e3,
         cmap="viridis",
         clim=(0.0, strongest / 1e3),
     )
     axes.add_collection(cells)
-    broken = inner[inner["bonded"] == 0]
-    axes.add_collection(
-        PolyCollection(
-            [
-                corners
-                for name, nodes in broken.groupby("face", sort=False)
-                for corners in _cells(inner[inner["face"] == name], faces[str(name)], nodes)
-            ],
-            facecolor="#bbbbbb",
-        )
-    )
+    broken = compress(corners, inner["bonded"] == 0)
+    axes.add_collection(PolyCollection(list(broken), facecolor="#bbbbbb"))
     for face in faces.values():
         axes.axvline(MM * face.low[1], color="white", linewidth=2)
     thinned = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
@@ -240,20 +233,17 @@ def _thinned(nodes: pd.DataFrame) -> pd.DataFrame:
     return nodes[chosen]
 
 
-def _cells(
-    nodes: pd.DataFrame, face: FaceRectangle, shown: pd.DataFrame
-) -> list[list[tuple[float, float]]]:
-    """Corners (y, x), in mm, of cells around the nodes ``shown`` of a face's regular ``nodes``.
+def _cells(nodes: pd.DataFrame, face: FaceRectangle) -> list[list[tuple[float, float]]]:
+    """Corners (y, x), in mm, of cells around a face's regular ``nodes``.
 
     Cells meet half-way between nodes, and end with the face.
     """
     spans = []
     for axis, name in ((1, "y_m"), (0, "x_m")):
-        places = np.unique(nodes[name].round(12))
+        places, number = np.unique(nodes[name].round(12), return_inverse=True)
         edges = np.concatenate(
             [[face.low[axis]], (places[1:] + places[:-1]) / 2, [face.high[axis]]]
         )
-        number = np.searchsorted(places, shown[name].round(12) - 1e-12)
         spans.append(np.column_stack([edges[number], edges[number + 1]]))
     return [
         [(MM * y[i], MM * x[j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]

@@ -1,6 +1,6 @@
 """The models of the joint's pieces beside each other, and the effects of variants."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -32,12 +32,12 @@ RIGID = 30.0  # a rigid block is drawn this many times as stiff as the stiffest 
 def models(material: FigureData) -> Figure:
     """Curves, weights, displacements and friction of all models of a sample, at the finest mesh."""
     study, mesh = material.study, min(material.study.meshes)
-    if not material.models:
+    if not material.shown_models:
         return style.words_only(f"No model has a result of {material.sample}; see the summary.")
-    rows = material.in_order(material.table, material.sample, mesh)
+    rows = material.in_order(material.models, material.sample, mesh)
     figure = Figure(figsize=(8.6, 8.2), layout="constrained")
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
-    for model in material.models:
+    for model in material.shown_models:
         model_curve(curves, material, model, material.sample, mesh)
     for rule in LAWS:
         rule_curve(curves, material, rule, material.sample, mesh)
@@ -48,16 +48,16 @@ def models(material: FigureData) -> Figure:
     ratio = min(study.eccentricities)
     first = rows[rows["eccentricity_over_a"] == ratio].set_index("model")
     place = f"e = {ratio:g} a" if ratio else "e = 0"
-    _weights(weights, material.models, first, study.samples[material.sample].locks)
+    _weights(weights, material.shown_models, first, study.samples[material.sample].locks)
     weights.set_title(f"weights at {place}", loc="left", fontsize=10)
-    _displacements(moved, material.models, first)
+    _displacements(moved, material.shown_models, first)
     moved.set_ylabel("√(V² + (M / a)²) (N)" if ratio else "load (N)")
     path = _path(moved, material)
     moved.set_xlim(left=0)
     moved.set_ylim(bottom=0)
     moved.legend(fontsize=8)
     moved.set_title(f"displacement at {place}", loc="left", fontsize=10)
-    _friction(friction, material.models, rows)
+    _friction(friction, material.shown_models, rows)
     style.caption(
         figure,
         f"The same pieces and nodes, {study.samples[material.sample].locks} locks, mesh {mesh:g} "
@@ -98,39 +98,40 @@ def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) 
 
 
 def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
+    """Marks of all models but the static one, whose whole path is drawn."""
     for model in models:
-        if model not in rows.index:
+        if model == REFERENCE_MODEL or model not in rows.index:
             continue
         row = rows.loc[model]
-        moved = [row[f"displacement_at_{100 * share:g}_percent_m"] for share in SHARES]
+        moved = np.array([row[f"displacement_at_{100 * share:g}_percent_m"] for share in SHARES])
         loads = [share * row["given_load_N"] for share in SHARES]
         if not np.isnan(moved).any():
-            places = 1e6 * np.array(moved)
-            name = label_of(model).name
-            line = style.of_model(model)
-            if model != REFERENCE_MODEL:
-                axes.plot(places, loads, **line, label=name)
+            axes.plot(1e6 * moved, loads, **style.of_model(model), label=label_of(model).name)
     axes.set_xlabel("displacement (µm)")
 
 
 def _path(axes: Axes, material: FigureData) -> str:
     """The static model's whole path, to the peak and behind it; the sentence on it."""
-    study, mesh = material.study, min(material.study.meshes)
-    first = [
-        case
-        for case in cases_of(study).values()
-        if (case.model, case.subject.sample, case.variant)
-        == (REFERENCE_MODEL, material.sample, REFERENCE)
-        and case.subject.mesh == mesh
-        and case.subject.direction.eccentricity == min(study.eccentricities)
-    ]
-    if not first or REFERENCE_MODEL not in material.models:
+    study = material.study
+    mesh, ratio = min(study.meshes), min(study.eccentricities)
+    subject = next(
+        (
+            case.subject
+            for case in cases_of(study).values()
+            if (case.model, case.subject.sample, case.variant)
+            == (REFERENCE_MODEL, material.sample, REFERENCE)
+            and case.subject.mesh == mesh
+            and case.subject.direction.eccentricity == ratio
+        ),
+        None,
+    )
+    if subject is None or REFERENCE_MODEL not in material.shown_models:
         return ""
-    again = path_again(first[0].subject)
+    again = path_again(subject)
     if again is None:
         return ""
     problem, solution = again
-    path, ratio = solution.path, first[0].subject.direction.eccentricity
+    path = solution.path
     followed = behind(problem, path[-1], ratio, MOST_BEHIND)
     lines = [(path, label_of(REFERENCE_MODEL).name, {"linestyle": "-", "lw": 1.2})]
     if followed is not None:
@@ -266,31 +267,22 @@ def fracture_energy(material: FigureData) -> Figure:
 
 def _against(axes: Axes, rows: pd.DataFrame, column: str, words: str) -> None:
     """Curves of ``column`` over the stiffness, one for each sample and body."""
-    for (sample, body), colour in _curves(rows):
-        points = rows[(rows["sample"] == sample) & (rows["upper_body"] == body)].sort_values(
-            "drawn"
-        )
-        axes.plot(points["drawn"], points[column], BODIES[body][1], color=colour, ms=3.5)
+    samples = rows["sample"].unique()
+    for sample, colour in zip(samples, style.COLOURS * 3, strict=False):
+        for body, (_, line) in BODIES.items():
+            points = rows[(rows["sample"] == sample) & (rows["upper_body"] == body)]
+            points = points.sort_values("drawn")
+            axes.plot(points["drawn"], points[column], line, color=colour, ms=3.5)
     axes.set_ylabel(words)
     axes.set_ylim(bottom=0)
 
 
-def _curves(rows: pd.DataFrame) -> Iterator[tuple[tuple[str, UpperBody], str]]:
-    samples = dict.fromkeys(rows["sample"])
-    for sample, colour in zip(samples, style.COLOURS * 3, strict=False):
-        for body in BODIES:
-            yield (sample, body), colour
-
-
 def _key(figure: Figure, rows: pd.DataFrame) -> None:
     """Draw the legend of samples (colours) and bodies (lines) once, above all panels."""
-    samples = dict(zip(dict.fromkeys(rows["sample"]), style.COLOURS * 3, strict=False))
-    handles = [Line2D([], [], color=colour, label=name) for name, colour in samples.items()]
-    drawn = set(rows["upper_body"])
+    samples = zip(rows["sample"].unique(), style.COLOURS * 3, strict=False)
+    handles = [Line2D([], [], color=colour, label=name) for name, colour in samples]
     for body, (words, line) in BODIES.items():
-        if body in drawn:
-            marker, dashes = line[0], line[1:]
-            handles.append(
-                Line2D([], [], color="0.3", marker=marker, ls=dashes, ms=3.5, label=words)
-            )
+        if body in set(rows["upper_body"]):
+            look = {"color": "0.3", "marker": line[0], "ls": line[1:], "ms": 3.5}
+            handles.append(Line2D([], [], label=words, **look))
     figure.legend(handles=handles, fontsize=8, ncols=len(handles), loc="outside upper center")

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis.drawing import SERIES, label_of
-from analysis.figures import IN_THE_PAPER, FigureSpec
+from analysis.figures import IN_THE_PAPER, FigureSpec, followed_models
 from analysis.published import read_published
 from analysis.tables import study_points
 from sidmacib.models import MODELS, SOLVED
@@ -43,11 +43,9 @@ mpl.rcParams.update(
 )
 
 
-MARKS = (
-    {"linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white"},
-    {"linestyle": "none", "marker": "x", "markersize": 4},
-    {"linestyle": "none", "marker": "s", "markersize": 4, "markerfacecolor": "white"},
-    {"linestyle": "none", "marker": "D", "markersize": 4, "markerfacecolor": "white"},
+MARKS = tuple(
+    {"linestyle": "none", "marker": marker, "markersize": 4, "markerfacecolor": "white"}
+    for marker in ("o", "x", "s", "D")
 )
 LINES = ({"linestyle": "-", "linewidth": 1.0}, {"linestyle": "--", "linewidth": 1.0})
 
@@ -103,40 +101,33 @@ class Stresses:
 class FigureData:
     """A figure's specification, the study, its tables, and the stresses that the figure shows.
 
-    ``detailed``: the models that SiDMACIB is compared with, the leading one first. ``table``: the
-    models beside each other.
+    ``detailed``: the models that SiDMACIB is compared with, the leading one first.
     """
 
     spec: FigureSpec
     study: Study
     detailed: tuple[str, ...]
+    stresses: Stresses | None
     capacity: pd.DataFrame
     validation: pd.DataFrame
-    table: pd.DataFrame
+    models: pd.DataFrame
     envelopes: pd.DataFrame
     variants: pd.DataFrame
-    stresses: Stresses | None
 
     @property
-    def models(self) -> tuple[str, ...]:
+    def shown_models(self) -> tuple[str, ...]:
         """The models of the joint's pieces, the leading one first, those from elsewhere last."""
-        rows = self.table
+        rows = self.models
         if self.spec.sample is not None:
             rows = rows[rows["sample"] == self.spec.sample]
         names = rows["model"].unique()
         ordered = [m for m in (*self.detailed, *self.study.models) if m in names]
         return *dict.fromkeys(ordered), *(model for model in names if model not in ordered)
 
-    def detailed_of(self, sample: str) -> tuple[str, ...]:
-        """The detailed models that run on the whole of a sample, the leading one first."""
-        names = self.study.models_of(sample)
-        whole = (model for model in self.detailed if self.study.whole_curve(sample, model))
-        return tuple(model for model in whole if model in names)
-
     @property
     def leading(self) -> str:
         """The model that SiDMACIB is shown against."""
-        return self.detailed_of(self.sample)[0]
+        return followed_models(self.study, self.detailed, self.sample)[0]
 
     def in_order(self, table: pd.DataFrame, sample: str, mesh: float) -> pd.DataFrame:
         """Rows of ``table`` for a sample at a mesh (m), from pure shear to pure torsion."""
