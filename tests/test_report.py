@@ -145,7 +145,7 @@ def test_the_joint_opens_undeformed_and_the_slider_goes_along_its_load_path(open
     assert not any(text.startswith("V = ") for text in texts)
     assert f"peak {turned} at" in (page.text_content("#move-text") or "")
     path = "chosenPath()"
-    lever = page.evaluate(f"JOINTS.sizes.find((row) => row.sample === {path}.sample).a_m")
+    lever = page.evaluate(f"JOINTS.sizes[{path}.sample].a_m")
     data = "document.getElementById('move-plot').data"
     loads = page.evaluate(f"{data}.find((t) => t.name === 'static model, load raised').y")
     assert max(loads) == pytest.approx(lever * page.evaluate(f"{path}.curve.at(-1)[1]"))

@@ -66,8 +66,6 @@ function startCurves() {
 }
 
 // --- weights ---------------------------------------------------------------------------------
-const markOfPublished = { as: { name: "published, as printed", color: "#000000" }, swapped: { name: "published, first two swapped", color: "#9aa0aa" } };
-
 // The paper's weights beside those of a case in pure shear, where it has any: as printed, and swapped.
 function publishedWeights(rows) {
   const { sample, mesh_m: mesh, eccentricity_over_a: ratio } = rows[0];
@@ -76,7 +74,8 @@ function publishedWeights(rows) {
   const locks = unique(rows.map((row) => row.lock)), printed = locks.map((lock) => of(`weight_lock${lock}`));
   if (ratio !== 0 || printed.some((row) => !row)) return [];
   const swapped = locks.map((lock, k) => of(`weight_lock${lock}_swapped`) || printed[k]);
-  return [["as", printed], ["swapped", swapped]].map(([kind, values]) => ({ type: "bar", name: markOfPublished[kind].name, y: values.map((row) => row.published), marker: { color: markOfPublished[kind].color } }));
+  const bars = (name, values, color) => ({ type: "bar", name, y: values.map((row) => row.published), marker: { color } });
+  return [bars("published, as printed", printed, "#000000"), bars("published, first two swapped", swapped, "#9aa0aa")];
 }
 
 function drawWeights() {
@@ -88,7 +87,7 @@ function drawWeights() {
   const published = rows.length ? publishedWeights(rows).map((trace) => ({ ...trace, x: traces[0].x })) : [];
   const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textangle: traces.length > 3 ? -90 : 0, textposition: "outside", cliponaxis: false }));
   chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { range: [0, 1.25 * Math.max(1, ...all.flatMap((trace) => trace.y))] }), why: "No model of this study gives stresses of this joint, from which weights follow." });
-  at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". Equilibrium requires the first two published weights to be swapped." : published.length || !rows.length ? "" : ". The paper has no weights for this case.");
+  at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". Equilibrium requires the first two published weights to be swapped." : rows.length ? ". The paper has no weights for this case." : "");
 }
 
 function chooseWeights() {
@@ -184,9 +183,8 @@ function modelTraces(sample) {
   return own.flatMap((model) => {
     const rows = answerRows(sample, (r) => r.model === model && r.variant === "reference"), label = labelOf(model);
     if (!rows.length) return [];
-    const line = { law: "dot", safe: "solid" }[model] || "solid";
-    const width = model === "safe" ? 3 : 1.6;
-    return [vmTrace({ ...vmOf(rows), name: label.name, mode: label.engine ? "markers" : "lines", marker: { symbol: markOf(model), size: 8, color: label.colour }, line: { color: label.colour, dash: line, width }, hovertemplate: hover })];
+    const dash = model === "law" ? "dot" : "solid", width = model === "safe" ? 3 : 1.6;
+    return [vmTrace({ ...vmOf(rows), name: label.name, mode: label.engine ? "markers" : "lines", marker: { symbol: markOf(model), size: 8, color: label.colour }, line: { color: label.colour, dash, width }, hovertemplate: hover })];
   });
 }
 
@@ -210,7 +208,7 @@ function drawAnswer() {
     ...pointTrace(published, "published (3DEC)", "star-open"),
   ];
   vmChart("answer-plot", traces, { why: `No model has an answer for ${sample} at a mesh of ${short(1000 * ANSWER.mesh)} mm: for the reasons see "Failed cases".` });
-  const joint = JOINTS.sizes.find((row) => row.sample === sample);
+  const joint = JOINTS.sizes[sample];
   at("answer-size").textContent = `${sample}: ${joint.locks} locks, a × b = ${short(1000 * joint.a_m)} × ${short(1000 * joint.b_m)} mm, strength of a lock T0 = ${short(joint.T0_N)} N, friction ${short(joint.friction)}`;
   at("answer-text").textContent = `Mesh ${short(1000 * ANSWER.mesh)} mm. A rule is unsafe where its line lies outside the capacity by the detailed models.${published.length ? "" : " The paper has no peak for this joint."}`;
 }

@@ -5,7 +5,7 @@ drawn from the tables, and a few load paths of the static model.
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -31,6 +31,7 @@ from analysis.summary import (
 from analysis.summary.summary import AGREEMENT, leading_models
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
+from sidmacib.joint.parameters import SIZES
 from sidmacib.rule import RULES
 from sidmacib.rule.pairs import pairs_of
 from workflow.cases import cases_of
@@ -42,15 +43,8 @@ PEAK = "dem_pure_shear_N"
 NEAR = 0.005  # of a published number
 LEAST_SHOWN = 5e-5  # share that two digits of a percentage show
 NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
-MILLI = 1e3  # of a m
-FEATURES: tuple[tuple[str, float, Callable[[Joint], float]], ...] = (
-    ("friction", 1.0, lambda joint: joint.dry.friction),
-    ("a (mm)", MILLI, lambda joint: joint.a),
-    ("b (mm)", MILLI, lambda joint: joint.b),
-    ("h (mm)", MILLI, lambda joint: joint.h),
-    ("H (mm)", MILLI, lambda joint: joint.H),
-    ("T0 (N)", 1.0, lambda joint: joint.T0),
-)
+# Of `numbers_of` a joint: what tells samples apart, in this order.
+FEATURES = ("friction of dry faces", "a (mm)", "b (mm)", "h (mm)", "H (mm)", "T0 (N)")
 
 
 def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
@@ -68,15 +62,14 @@ def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
     first, *others = [*answers(tables, leading, mesh)] or [NO_RULE]
     worst = sorted(worst_of(errors), key=lambda error: -error.error)
     half = [error for error in errors if error.rule == "half"]
-    shown = next(iter(worst[:1]), None)
-    if half:
-        shown = next(iter(worst_by_friction(half, tables["validation"]).values()))
+    shown = list(worst_by_friction(half, tables["validation"]).values()) if half else worst
+    sample = shown[0].sample if shown else next(iter(study.samples))
     return {
         "first": _words(first),
         "named": [
             words for name, words in sample_words(study).items() if f"({name}, " in first.answer
         ],
-        "sketch": sketch(study.joint(shown.sample if shown else next(iter(study.samples)))),
+        "sketch": sketch(study.joint(sample)),
         "others": [_words(each) for each in others if each.answer and not each.by_sample],
         "by_sample": _by_sample(study, [first, *others]),
         "safe": first.answer.startswith("Yes"),
@@ -85,7 +78,7 @@ def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
         "half": {
             error.sample: {"option": error.option, "friction": error.friction} for error in half
         },
-        "sample": next(iter(study.samples)) if shown is None else shown.sample,
+        "sample": sample,
         "leading": leading,
         "mesh": mesh,
     }
@@ -124,7 +117,6 @@ def _row(error: RuleError) -> dict[str, Any]:
         "mesh_error": "" if pd.isna(error.mesh_error) else percent(error.mesh_error),
         "where": f"{error.sample}, {direction_words(error.ratio)}",
         "safe": error.safe,
-        "ratio": json_value(error.ratio),
     }
 
 
@@ -222,7 +214,6 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """Data of the page's charts of joints, beside the tables."""
     cases = shown_cases(cases_of(study).values())
-    samples = {case.subject.sample: case for case in cases}
     joints = {name: study.joint(name) for name in study.interlocking}
     return {
         "samples": list(study.samples),
@@ -235,34 +226,62 @@ def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
             for name in study.sidmacib.options
         },
         "paths": paths_of(cases),
-        "pieces": {name: pieces_of(case) for name, case in samples.items()},
+        "pieces": {case.subject.sample: pieces_of(case) for case in cases},
         # The rules of elastic blocks take minutes for many locks.
         "law": {name: law_of(joint) for name, joint in joints.items() if joint.elastic is None},
     }
 
 
-def sizes_of(study: Study) -> list[dict[str, Any]]:
+def sizes_of(study: Study) -> dict[str, dict[str, float]]:
     """Sizes of each sample for the page's script, in SI units."""
     joints = {name: study.joint(name) for name in study.samples}
-    return [
-        {
-            **{"sample": name, "locks": joint.locks, "a_m": joint.a, "b_m": joint.b},
-            "T0_N": float(f"{joint.T0:.6g}"),
-            "friction": joint.dry.friction,
+    return {
+        name: {
+            **{"locks": joint.locks, "a_m": joint.a, "b_m": joint.b},
+            **{"T0_N": float(f"{joint.T0:.6g}"), "friction": joint.dry.friction},
         }
         for name, joint in joints.items()
-    ]
+    }
+
+
+def numbers_of(joint: Joint) -> dict[str, float]:
+    """Sizes and materials of a joint, by their names with units."""
+    inner, dry = joint.inner, joint.dry
+    return {
+        "locks": joint.locks,
+        **{f"{size} (mm)": 1e3 * getattr(joint, size) for size in SIZES},
+        "T0 (N)": joint.T0,
+        "cohesion (kPa)": 1e-3 * inner.cohesion,
+        "tensile strength (kPa)": 1e-3 * inner.tensile_strength,
+        "Kn, inner faces (N/mm³)": 1e-9 * inner.normal_stiffness,
+        "Ks, inner faces (N/mm³)": 1e-9 * inner.shear_stiffness,
+        "Kn, dry faces (N/mm³)": 1e-9 * dry.normal_stiffness,
+        "Ks, dry faces (N/mm³)": 1e-9 * dry.shear_stiffness,
+        "friction of dry faces": dry.friction,
+    }
+
+
+def size_table(study: Study) -> dict[str, Any]:
+    """`numbers_of` each sample as a table to be read: ``columns`` and ``rows``."""
+    numbers = {name: numbers_of(study.joint(name)) for name in study.samples}
+    return {
+        "columns": ["joint", *next(iter(numbers.values()))],
+        "rows": [
+            [name, *(f"{each:.4g}" for each in own.values())] for name, own in numbers.items()
+        ],
+    }
 
 
 def sample_words(study: Study) -> dict[str, str]:
     """Each sample in a few words: its locks, and of its sizes those that tell it from others."""
-    joints = {name: study.joint(name) for name in study.samples}
-    words = {name: f"{joint.locks} locks" for name, joint in joints.items()}
+    numbers = {name: numbers_of(study.joint(name)) for name in study.samples}
+    words = {name: f"{own['locks']} locks" for name, own in numbers.items()}
     published = read_published()
-    for title, factor, read in FEATURES:
-        values = {name: read(joint) for name, joint in joints.items()}
+    for feature in FEATURES:
+        values = {name: own[feature] for name, own in numbers.items()}
         if len(set(words.values())) < len(words) and len(set(values.values())) > 1:
-            words = {n: f"{words[n]}, {title} {factor * values[n]:.4g}" for n in words}
+            title = feature.partition(" of ")[0]
+            words = {n: f"{words[n]}, {title} {values[n]:.4g}" for n in words}
             if title == "friction":
                 printed = [n for n in published.samples(study) if published.as_printed(study, n)]
                 words |= {name: f"{words[name]} as printed" for name in printed}

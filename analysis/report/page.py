@@ -16,13 +16,11 @@ from typing import Any
 
 import pandas as pd
 import yaml
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from plotly.offline import get_plotlyjs
 
 from analysis.drawing import SERIES, label_of
 from analysis.published import read_published
 from analysis.report import headings, json_table, words
-from analysis.report.joints import answer_content, joints_content, joints_verdict
+from analysis.report.joints import answer_content, joints_content, joints_verdict, size_table
 from analysis.report.structures import (
     structures_content,
     structures_verdict,
@@ -31,6 +29,8 @@ from analysis.report.structures import (
 )
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
+from sidmacib.scene.page import HERE as SCENE  # shared with the explorer and the command
+from sidmacib.scene.page import plotly_js, rendered
 from workflow.case import StructureCase
 from workflow.results import read_times
 from workflow.results import tables as forms
@@ -41,13 +41,12 @@ from workflow.step import Arguments, Files, step
 CHECKOUT = Path(__file__).parents[2]
 PACKAGES = ("numpy", "scipy", "cvxpy", "pandas", "plotly", "snakemake")
 HERE = Path(__file__).parent
-DRAWING = CHECKOUT / "sidmacib/scene"  # shared with the explorer and the command
-SCRIPTS = (DRAWING / "chart.js", DRAWING / "parts.js", HERE / "report.js")
+SCRIPTS = (SCENE / "chart.js", SCENE / "parts.js", HERE / "report.js")
 SCRIPTS_OF_PARTS = {  # each part has a template, too
     "joints": (HERE / "joints.js", HERE / "paths.js"),
-    "structures": (DRAWING / "structure.js", HERE / "structures.js"),
+    "structures": (SCENE / "structure.js", HERE / "structures.js"),
 }
-ADDRESS = DRAWING / "address.js"  # the last one
+ADDRESS = SCENE / "address.js"  # the last one
 SECTIONS = {  # of each part, as in its template
     "joints": (
         ("stresses", "Load\N{EN DASH}displacement"),
@@ -67,17 +66,16 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
 
     ``configuration``: as YAML. ``summary``: as text.
     """
-    files = FileSystemLoader([HERE, DRAWING])
-    environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
     # Data may hold whatever a configuration does: nothing in it ends the script it is in.
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     parts = [part for part in SCRIPTS_OF_PARTS if part in data]
     own = (script for part in parts for script in SCRIPTS_OF_PARTS[part])
     scripts = (*SCRIPTS, *own, ADDRESS)
-    return environment.get_template("page.html.j2").render(
+    return rendered(
+        HERE / "page.html.j2",
         data=text,
-        plotly=get_plotlyjs(),
-        style=(DRAWING / "report.css").read_text(),
+        plotly=plotly_js(),
+        style=(SCENE / "report.css").read_text(),
         script="".join(script.read_text() for script in scripts),
         parts=parts,
         sections=[section for part in parts for section in SECTIONS[part]],
@@ -168,26 +166,6 @@ def times_of(results: Path) -> list[list[Any]]:
     ]
 
 
-def size_table(study: Study) -> dict[str, Any]:
-    """Sizes and materials of each sample as a table to be read: ``columns`` and ``rows``."""
-    columns = (
-        *("joint", "locks", "a (mm)", "b (mm)", "h (mm)", "H (mm)", "T0 (N)"),
-        *("cohesion (kPa)", "tensile strength (kPa)"),
-    )
-    rows = []
-    for name in study.samples:
-        joint = study.joint(name)
-        lengths = [1e3 * length for length in (joint.a, joint.b, joint.h, joint.H)]
-        strengths = [1e-3 * s for s in (joint.inner.cohesion, joint.inner.tensile_strength)]
-        faces = (joint.inner, joint.dry)
-        stiffnesses = [1e-9 * k for f in faces for k in (f.normal_stiffness, f.shear_stiffness)]
-        numbers = [joint.locks, *lengths, joint.T0, *strengths, *stiffnesses, joint.dry.friction]
-        rows.append([name, *(f"{number:.4g}" for number in numbers)])
-    stiffness = [f"{k}, {face} faces (N/mm³)" for face in ("inner", "dry") for k in ("Kn", "Ks")]
-    more = (*stiffness, "friction of dry faces")
-    return {"columns": [*columns, *more], "rows": rows}
-
-
 def versions_of(tables: Mapping[str, pd.DataFrame]) -> list[tuple[str, str]]:
     """Versions of the program, of engines by the records of cases, of Python and its packages."""
     project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
@@ -238,11 +216,11 @@ def provenance(study: Study | None, tables: Mapping[str, pd.DataFrame]) -> dict[
 
 def as_yaml(configuration: Mapping[str, Any]) -> str:
     """The ``configuration`` as YAML that a study can be started with, without what has no value."""
-    samples = {
+    whole = _known(configuration)
+    whole["samples"] = {
         name: {key: value for key, value in sample.items() if value != {}}
-        for name, sample in _known(configuration.get("samples", {})).items()
+        for name, sample in whole.get("samples", {}).items()
     }
-    whole = _known(configuration) | {"samples": samples}
     text = yaml.safe_dump(whole, sort_keys=False, allow_unicode=True, width=100)
     return "# A study of multilock, with all defaults.\n" + text
 

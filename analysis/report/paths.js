@@ -9,7 +9,7 @@ const BEHIND = "#d55e00", V_COLOUR = "#d55e00";
 // What a load along a path's direction amounts to: V in N, in pure torsion M in N m.
 function amountOf(path) {
   const torsion = path.eccentricity === "torsion";
-  const factor = torsion ? JOINTS.sizes.find((row) => row.sample === path.sample).a_m : 1 / Math.hypot(1, Number(path.eccentricity));
+  const factor = torsion ? JOINTS.sizes[path.sample].a_m : 1 / Math.hypot(1, Number(path.eccentricity));
   const unit = torsion ? "N m" : "N";
   return { of: (load) => factor * load, said: (load) => `${short(factor * load)} ${unit}`, title: torsion ? "torque M (N m)" : "shear V (N)" };
 }
@@ -82,7 +82,7 @@ function boxMesh(piece, moved, scale, colour, opacity) {
 
 // Shear V (N) and torque M (N m) at a step: V at its eccentricity, M about the middle.
 function loadOf(path, step) {
-  const a = JOINTS.sizes.find((row) => row.sample === path.sample).a_m, amount = amountOf(path).of(step.load);
+  const a = JOINTS.sizes[path.sample].a_m, amount = amountOf(path).of(step.load);
   if (path.eccentricity === "torsion") return { a, V: 0, M: amount, e: null };
   const ratio = Number(path.eccentricity), V = amount;
   return { a, V, M: V * ratio * a, e: ratio * a };
@@ -156,7 +156,6 @@ function eyeFrom({ clientHeight, clientWidth }) {
 function drawPath() {
   const path = chosenPath();
   if (!path) return;
-  at("path-step").max = path.steps.length - 1;
   const step = chosenStep(path);
   at("path-load").textContent = amountOf(path).said(step.load);
   drawDisplacement(path, step);

@@ -65,7 +65,6 @@ def path_of(case: JointCase) -> dict[str, Any] | None:
     followed = behind(problem, path[-1], ratio, MOST_BEHIND)
     chosen = np.unique(np.linspace(0, len(path) - 1, most).round().astype(int))
     return {
-        "case": subject.key,
         "sample": subject.sample,
         "mesh": subject.mesh,
         "eccentricity": "torsion" if np.isinf(ratio) else f"{ratio:g}",
@@ -92,13 +91,12 @@ def _point(point: Equilibrium) -> list[float]:
 
 
 def pieces_of(case: JointCase) -> list[dict[str, Any]]:
-    """The pieces of a case as boxes: name, block and corners (m), fixed ones first."""
+    """The pieces of a case as boxes: name, block and corners (m)."""
     above = set(upper_block(case.subject.joint))
     return [
         {
             "name": piece.name,
             "block": "upper" if piece.name in above else "lower",
-            "fixed": piece.fixed,
             "low": list(piece.low),
             "high": list(piece.high),
         }

@@ -58,8 +58,8 @@ function tellStructure() {
 
 // --- controls --------------------------------------------------------------------------------
 function chooseStructure() {
-  for (const [part, column] of [["load", "load"], ["variant", "variant"], ["model", "model"]]) {
-    const own = unique(structureRows.filter((row) => row.structure === at("structure-name").value).map((row) => row[column]));
+  for (const part of ["load", "variant", "model"]) {
+    const own = unique(structureRows.filter((row) => row.structure === at("structure-name").value).map((row) => row[part]));
     const before = at(`structure-${part}`).value;
     const usual = own.includes("static") ? "static" : own[0];
     fill(at(`structure-${part}`), own, own.includes(before) ? before : usual, part === "model" ? (name) => labelOf(name).name : undefined);

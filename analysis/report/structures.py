@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from analysis.drawing import label_of
@@ -80,19 +79,17 @@ def _interface_rows(table: pd.DataFrame) -> list[InterfaceRow]:
 
 def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
     """The rows of interfaces and blocks of as many cases as the page has room for."""
-    keys = ["model", "case"]
-    counts = pd.concat([tables[name][keys] for name in ("interfaces", "blocks")]).value_counts()
-    chosen, room = set(), MOST_ROWS
+    places = {
+        name: pd.MultiIndex.from_frame(tables[name][["model", "case"]])
+        for name in ("interfaces", "blocks")
+    }
+    counts = places["interfaces"].append(places["blocks"]).value_counts()
+    chosen, room = [], MOST_ROWS
     for row in tables["structures"].itertuples():
         room -= int(counts.get((row.model, row.case), 0))
         if room >= 0:
-            chosen.add((row.model, row.case))
-    return {
-        name: table.loc[
-            np.array([pair in chosen for pair in table[keys].itertuples(index=False)], bool)
-        ]
-        for name, table in ((name, tables[name]) for name in ("interfaces", "blocks"))
-    }
+            chosen.append((row.model, row.case))
+    return {name: tables[name][index.isin(chosen)] for name, index in places.items()}
 
 
 def structures_verdict(
