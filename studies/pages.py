@@ -10,7 +10,9 @@ import math
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
 import studies.attack.search
@@ -21,7 +23,7 @@ import studies.locks.page
 import studies.measured.specimens
 import studies.published.page
 import studies.structures.page
-from studies.markdown import markdown
+from studies.markdown import markdown, markdown_of
 
 COLUMNS = {  # of the page, and those of the table
     "cases": ("cases", "{:,.0f}"),
@@ -35,15 +37,6 @@ COLUMNS = {  # of the page, and those of the table
     "MB": ("MB", "{:.0f}"),
 }
 
-
-WALLS = [
-    "blocks",
-    "interfaces",
-    "finding them (CPU-s)",
-    "limit analysis (CPU-s)",
-    "static model to the first failure, bonded (CPU-s)",
-    "largest memory (MB)",
-]
 BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
 
 
@@ -60,20 +53,26 @@ def walls(results: Path) -> str:
     A dash where a model was not asked.
     """
     table = pd.read_csv(results / "tables/walls.csv")
-    rows = []
-    for before, row in zip([None, *table.index[:-1]], table.to_dict("records"), strict=True):
-        cells = [f"{row['blocks']:,}", f"{row['interfaces']:,}"]
-        for column in ("finding_s", "limit_s", "static_s"):
-            if math.isnan(row[column]):
-                cells.append("-")
-                continue
-            cell = f"{row[column]:.3g}"
-            if before is not None:
-                growth = math.log(row[column] / table[column][before])
-                cell += f" ({growth / math.log(row['blocks'] / table['blocks'][before]):.1f})"
-            cells.append(cell)
-        rows.append([*cells, f"{row['memory_MB']:.0f}"])
-    return markdown(WALLS, rows)
+    steps = np.log(table[["blocks", "finding_s", "limit_s", "static_s"]]).diff()
+    exponents = steps.div(steps["blocks"], axis=0)
+
+    def time(row: Any, column: str) -> str:
+        value, exponent = getattr(row, column), exponents[column][row.Index]
+        if math.isnan(value):
+            return "-"
+        return f"{value:.3g}" + ("" if math.isnan(exponent) else f" ({exponent:.1f})")
+
+    return markdown_of(
+        table,
+        {
+            "blocks": lambda row: f"{row.blocks:,}",
+            "interfaces": lambda row: f"{row.interfaces:,}",
+            "finding them (CPU-s)": lambda row: time(row, "finding_s"),
+            "limit analysis (CPU-s)": lambda row: time(row, "limit_s"),
+            "static model to the first failure, bonded (CPU-s)": lambda row: time(row, "static_s"),
+            "largest memory (MB)": lambda row: f"{row.memory_MB:.0f}",
+        },
+    )
 
 
 BLOCKS = {
@@ -90,17 +89,8 @@ BLOCKS = {
 }
 
 
-class PageError(ValueError):
-    """A page names a block that does not exist."""
-
-
-def blocks_of(text: str) -> list[str]:
-    """Names of the blocks in a page."""
-    return [name for _, name, _ in BLOCK.findall(text)]
-
-
 def filled(text: str, results: Path) -> str:
-    """A page with its blocks made from the tables in ``results``; raises `PageError`.
+    """A page with its blocks made from the tables in ``results``; ValueError for an unknown one.
 
     A block whose table is not there stays as it is, and a line says so.
     """
@@ -108,7 +98,7 @@ def filled(text: str, results: Path) -> str:
     def block(match: re.Match[str]) -> str:
         begin, name, end = match.groups()
         if name not in BLOCKS:
-            raise PageError(
+            raise ValueError(
                 f"{name}: unknown block of numbers; it must be one of {', '.join(BLOCKS)}"
             )
         try:

@@ -77,8 +77,3 @@ def test_so_many_specimens_find_a_difference_as_often_as_asked() -> None:
 
 def test_a_large_difference_still_takes_a_few() -> None:
     assert specimens(1.0, 0.1) == LEAST
-
-
-def test_no_difference_is_refused() -> None:
-    with pytest.raises(ValueError, match="no number of them"):
-        specimens(0.0, 0.2)

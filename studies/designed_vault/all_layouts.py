@@ -23,7 +23,7 @@ from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import force_at
 from sidmacib.structure.structure import structure
-from studies.markdown import markdown
+from studies.markdown import markdown_of
 
 CUBES = (1, 2, 3)
 EDGE, DENSITY = 0.4, 2000.0  # m, kg/m3
@@ -32,10 +32,6 @@ ANGLES = (0.0, 45.0, 90.0, 135.0)  # degrees
 MOST = 3  # locks that work in an interface
 PUSH = 2500.0  # N
 GAP = 1e-4
-HEAD = [
-    *("interfaces", "layouts", "cost of the best", "tried, CPU-s"),
-    *("found by search", "bound", "search, CPU-s"),
-]
 
 
 def row(count: int) -> list[Block]:
@@ -98,17 +94,17 @@ def compared(count: int) -> dict[str, float]:
 
 def rows(results: Path) -> str:
     """The table of ``tables/all_layouts.csv``."""
-    table = pd.read_csv(results / "tables/all_layouts.csv")
-    return markdown(
-        HEAD,
-        [
-            [
-                *(str(each.interfaces), f"{each.layouts:,}", f"{each.least_cost:g}"),
-                *(f"{each.tried_s:.1f}", f"{each.found_cost:g}"),
-                *(f"{each.bound:.4g}", f"{each.search_s:.1f}"),
-            ]
-            for each in table.itertuples()
-        ],
+    return markdown_of(
+        pd.read_csv(results / "tables/all_layouts.csv"),
+        {
+            "interfaces": lambda row: f"{row.interfaces}",
+            "layouts": lambda row: f"{row.layouts:,}",
+            "cost of the best": lambda row: f"{row.least_cost:g}",
+            "tried, CPU-s": lambda row: f"{row.tried_s:.1f}",
+            "found by search": lambda row: f"{row.found_cost:g}",
+            "bound": lambda row: f"{row.bound:.4g}",
+            "search, CPU-s": lambda row: f"{row.search_s:.1f}",
+        },
     )
 
 

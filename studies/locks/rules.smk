@@ -21,28 +21,12 @@ rule law:
         "law.py"
 
 
-rule points:
+rule law_tables:
     input:
         samplings=rules.samplings.output.samplings,
         law=OF_LAW,
     output:
         points=shown("tables/points.csv"),
-    log:
-        below("logs/points.log"),
-    group:
-        "tables"
-    params:
-        code=code("studies.locks.tables"),
-    message:
-        "Tabulate the law with the static model"
-    script:
-        "tables.py"
-
-
-rule law_tables:
-    input:
-        points=rules.points.output.points,
-    output:
         law=shown("tables/law.csv"),
         rules=shown("tables/rules.csv"),
         interaction=shown("tables/interaction.csv"),
@@ -61,7 +45,7 @@ rule law_tables:
 
 rule freedoms:
     input:
-        points=rules.points.output.points,
+        points=rules.law_tables.output.points,
     output:
         freedoms=shown("tables/freedoms.csv"),
     log:
@@ -112,7 +96,7 @@ rule paper_joint:
 
 rule law_figures:
     input:
-        points=rules.points.output.points,
+        points=rules.law_tables.output.points,
     output:
         figures=[
             shown(name)
@@ -132,7 +116,6 @@ rule law_figures:
 
 OF_CAMPAIGN = [
     *OF_LAW,
-    *rules.points.output,
     *rules.law_tables.output,
     *rules.freedoms.output,
     *rules.sensitivity.output,

@@ -75,13 +75,6 @@ def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataF
     return points[list(POINTS.columns)]
 
 
-def join_points(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
-    """Write the table."""
-    solved = read_table(SAMPLINGS, inputs["samplings"])
-    points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
-    write_table(POINTS, points, outputs["points"])
-
-
 def spread(error: "pd.Series[float]") -> dict[str, float]:
     """Mean, mean size, extremes and quantiles of relative errors."""
     return {
@@ -212,19 +205,6 @@ def by_locks(joints: pd.DataFrame) -> Iterator[tuple[tuple[str, str], "pd.Series
         yield (body, f"{least} to {most}"), chosen
 
 
-def curve(shear: float, torsion: float, ratio: float, exponent: float) -> float:
-    """Load along e / a on the curve through the loads at both ends, in the unit of these.
-
-    ``torsion``: M0 / a. Raises ValueError unless 0 < ``ratio`` < inf.
-    """
-    if not 0.0 < ratio < math.inf:
-        raise ValueError(f"ratio: {ratio:g} is not allowed; it must be more than 0 and finite")
-    part = np.array([1.0, ratio]) / math.hypot(1.0, ratio)
-    return float(
-        ((part[0] / shear) ** exponent + (part[1] / torsion) ** exponent) ** -(1 / exponent)
-    )
-
-
 def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
     """Errors of the curves, by region and for all directions of a region together."""
     points = points[points["plate"] & known(points) & points["failure"].eq("brittle")]
@@ -237,13 +217,14 @@ def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
         return by_ratio.reindex(pd.MultiIndex.from_frame(joints)).to_numpy()
 
     between = points.assign(shear=at(0.0), torsion=at(math.inf)).dropna(subset=["shear", "torsion"])
+    between = between[between["eccentricity_over_a"].between(0.0, math.inf, inclusive="neither")]
     ratio = between["eccentricity_over_a"]
-    between = between[ratio.gt(0.0) & ratio.lt(math.inf)]
-    directions = between[["shear", "torsion", "eccentricity_over_a"]].to_numpy().tolist()
+    size = np.hypot(1.0, ratio)
+    shear, torque = 1.0 / size / between["shear"], ratio / size / between["torsion"]
     rows: list[dict[str, Any]] = []
     for exponent in EXPONENTS:
-        loads = [curve(shear, torsion, e, exponent) for shear, torsion, e in directions]
-        error = np.array(loads) / between["first_failure"] - 1.0
+        loads = (shear**exponent + torque**exponent) ** -(1.0 / exponent)
+        error = loads / between["first_failure"] - 1.0
         regions = by_region(between, error, BETWEEN, BETWEEN[:-1])
         rows += [{"exponent": exponent, **row} for row in regions]
     return table_of(INTERACTION, rows)
@@ -283,9 +264,13 @@ def _kind(failure: str, ratio: float) -> str:
     return f"softening, {least:g} to {most:g}"
 
 
-def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write all tables but that of the points."""
-    points = read_table(POINTS, inputs["points"])
+def run(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
+    """Write the table of the points, and all others from it as it is written."""
+    solved = read_table(SAMPLINGS, inputs["samplings"])
+    write_table(
+        POINTS, points_of(solved, [*map(pd.read_parquet, inputs["law"])]), outputs["points"]
+    )
+    points = read_table(POINTS, outputs["points"])
     write_table(LAW, law_table(points), outputs["law"])
     write_table(RULE_ERRORS, rules_table(points), outputs["rules"])
     write_table(INTERACTION, interaction_table(points), outputs["interaction"])
@@ -293,4 +278,4 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
 
 
 if __name__ == "__main__":
-    step(run, points=join_points)
+    step(run)

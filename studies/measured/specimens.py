@@ -54,10 +54,8 @@ def specimens(difference: float, deviation: float) -> int:
     """Specimens of each of two kinds whose mean logarithms differ by ``difference``.
 
     ``deviation``: the standard deviation of the difference of one specimen of each kind. At least
-    `LEAST`. ValueError for no difference.
+    `LEAST`.
     """
-    if not difference:
-        raise ValueError("specimens: no number of them shows a difference of 0")
     needed = (norm.isf(SIGNIFICANCE / 2) + norm.isf(1.0 - POWER)) * deviation / difference
     return max(LEAST, math.ceil(needed**2))
 

@@ -1,6 +1,7 @@
 """Numbers of the published study in pages, `make study`."""
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -120,7 +121,7 @@ def headline(results: Path) -> str:
                 numbers.append(f"{row.computed:.5g}{unit} ({difference})")
             rows.append([words, *numbers])
     settings = [words.partition("; ")[0] for words in parts[0].samples.values()]
-    head = [setting.replace("not as printed", "fitted") for setting in settings]
+    head = [setting.replace("not as printed", FITS) for setting in settings]
     return markdown(["", "published", *head], [rows[0], *rows[2:]])
 
 
@@ -217,13 +218,12 @@ def agreement(results: Path) -> str:
     )
     names = [name for name in cases["model"].unique() if name != "limit"]
     rows = []
-    for number, one in enumerate(names):
-        for other in names[number + 1 :]:
-            errors = [(table[one] / table[other] - 1.0).dropna() for table in loads]
-            spans = [span(error.min(), error.max(), 2, " to ") for error in errors]
-            apart = (weights[one] - weights[other]).abs().max()
-            who = f"{label_of(one).name} over {label_of(other).name}"
-            rows.append([who, f"{len(errors[1])}", *spans, f"{apart:.4f}"])
+    for one, other in combinations(names, 2):
+        errors = [(table[one] / table[other] - 1.0).dropna() for table in loads]
+        spans = [span(error.min(), error.max(), 2, " to ") for error in errors]
+        apart = (weights[one] - weights[other]).abs().max()
+        who = f"{label_of(one).name} over {label_of(other).name}"
+        rows.append([who, f"{len(errors[1])}", *spans, f"{apart:.4f}"])
     head = ["", "cases", "first failure", "peak", "weights apart, at most"]
     return markdown(head, rows)
 

@@ -107,9 +107,7 @@ def engine_tilt(name: str, model: Assembly, tilt: Tilt) -> float:
 def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Effect of stiffness and nodes on those critical tilts that are far from 3DEC's."""
     for row in tilts:
-        if abs(row["static_degrees"] - row["threedec_degrees"]) <= FAR:
-            continue
-        if math.isnan(row["threedec_degrees"]):
+        if not abs(row["static_degrees"] - row["threedec_degrees"]) > FAR:  # or nan
             continue
         for what, change in CHANGES.items():
             sample = Sample(row["sample"], (0, 1), row["friction"])

@@ -1,13 +1,12 @@
 """Numbers of `make structures` in docs/structures.md."""
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from studies.markdown import markdown_of, percent, signed
+from studies.markdown import markdown, markdown_of, percent, signed
 
 NONE = "–"
 AXIS = {"x": "x", "y": "y", "xy30": "(√3, 1, 0)"}
@@ -20,7 +19,7 @@ WHERE = {
 
 
 def _table(results: Path, name: str) -> pd.DataFrame:
-    return pd.read_csv(results / f"tables/{name}.csv", keep_default_na=True)
+    return pd.read_csv(results / f"tables/{name}.csv")
 
 
 def _degrees(value: float, digits: int = 1) -> str:
@@ -88,16 +87,9 @@ def within(results: Path) -> str:
         ("limit analysis with a cone, RBE", "limit_degrees", "rbe_degrees", 1.0),
     ):
         apart = (table[ours] - table[theirs]).abs().dropna()
-        rows.append((what, near, int((apart <= near).sum()), len(apart), float(apart.max())))
-    columns = ["what", "near", "agree", "all", "largest"]
-    return markdown_of(
-        pd.DataFrame(rows, columns=columns),
-        {
-            "compared": lambda row: row.what,
-            "agree": lambda row: f"{row.agree} of {row.all} within {row.near:g}°",
-            "largest difference": lambda row: f"{row.largest:.2f}°",
-        },
-    )
+        agree = f"{(apart <= near).sum()} of {len(apart)} within {near:g}°"
+        rows.append([what, agree, f"{apart.max():.2f}°"])
+    return markdown(["compared", "agree", "largest difference"], rows)
 
 
 def changes(results: Path) -> str:
@@ -106,10 +98,8 @@ def changes(results: Path) -> str:
     wide = table.assign(case=[_case(row) for row in table.itertuples()]).pivot_table(
         index="change", columns="case", values="static_degrees", sort=False
     )
-    cells: dict[str, Callable[[Any], str]] = {"static model": lambda row: str(row.Index)}
-    for place, case in enumerate(wide.columns, start=1):
-        cells[case] = lambda row, place=place: _degrees(row[place], 2)  # type: ignore[misc]
-    return markdown_of(wide, cells)
+    rows = [[str(name), *(_degrees(each, 2) for each in row)] for name, row in wide.iterrows()]
+    return markdown(["static model", *wide.columns], rows)
 
 
 def shapes(results: Path) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import csr_array, diags_array, hstack
+from scipy.sparse import block_diag, csr_array, diags_array, hstack
 
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
@@ -77,9 +77,7 @@ def _pyramids(friction: Floats) -> csr_array:
     sides = np.column_stack([np.cos(angle), np.sin(angle)])
     blocks = np.zeros((len(friction), PYRAMID_SIDES, 3))
     blocks[:, :, 0], blocks[:, :, 1:] = -friction[:, None], sides
-    row = np.arange(len(friction) * PYRAMID_SIDES)[:, None] + np.zeros(3, dtype=int)
-    column = np.repeat(3 * np.arange(len(friction)), PYRAMID_SIDES)[:, None] + np.arange(3)
-    return csr_array((blocks.reshape(-1), (row.ravel(), column.ravel())))
+    return csr_array(block_diag(blocks))
 
 
 def rbe_verdict(path: Path, sample: Sample) -> str | None:

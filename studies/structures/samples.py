@@ -6,6 +6,7 @@ requirements-peers.txt; nothing of it is installed or run.
 
 import math
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -89,10 +90,7 @@ def fetched(folder: Path) -> Path:
             for name in content.namelist():
                 if name.startswith(INSIDE) and name.endswith(".json"):
                     (unpacked / Path(name).name).write_bytes(content.read(name))
-        folder.mkdir(parents=True, exist_ok=True)
-        samples.mkdir()
-        for file in sorted(unpacked.iterdir()):
-            (samples / file.name).write_bytes(file.read_bytes())
+        shutil.copytree(unpacked, samples)
     return samples
 
 

@@ -153,16 +153,11 @@ def pushed_wall(number: int) -> list[Block]:
 def pushed_walls(published: Mapping[str, float]) -> Iterator[KnownResult]:
     """Walls whose friction resists with and without dilation; ``published``: as of `answers`."""
     for number in range(1, len(PUSHED_WALLS) + 1):
-        yield _pushed(number, published[f"wall_{number}_pushed_g"])
-
-
-def _pushed(number: int, known: float) -> KnownResult:
-    model = structure(pushed_wall(number), dry(0.65))
-    push = acceleration(model, (1.0, 0.0, 0.0))
-    limit, static = limit_load(model, push, friction=True), static_peak(model, push)
-    name = f"wall {number} of Ferris & Tin-Loi, friction 0.65: horizontal acceleration"
-    loads = limit.load / free_weight(model), static.peak.load / free_weight(model)
-    return KnownResult(name, "g", "ferris", known, *loads)
+        model = structure(pushed_wall(number), dry(0.65))
+        push, weight = acceleration(model, (1.0, 0.0, 0.0)), free_weight(model)
+        name = f"wall {number} of Ferris & Tin-Loi, friction 0.65: horizontal acceleration"
+        known = published[f"wall_{number}_pushed_g"]
+        yield _loaded(name, "ferris", known, model, push, "g", weight)
 
 
 def _tilted(name: str, source: str, known: float, model: Assembly, tilt: Tilt) -> KnownResult:
@@ -220,9 +215,18 @@ def _flat_arch() -> Iterator[KnownResult]:
     yield _loaded("flat arch, load at the crown: its abutments slide", source, known, model, loads)
 
 
-def _loaded(name: str, source: str, known: float, model: Assembly, loads: Loads) -> KnownResult:
-    limit = limit_load(model, loads, friction=True).load
-    return KnownResult(name, "N", source, known, limit, static_peak(model, loads).peak.load)
+def _loaded(
+    name: str,
+    source: str,
+    known: float,
+    model: Assembly,
+    loads: Loads,
+    unit: str = "N",
+    size: float = 1.0,
+) -> KnownResult:
+    """Loads of the models in a ``unit`` of this ``size`` (N)."""
+    limit, static = limit_load(model, loads, friction=True), static_peak(model, loads).peak
+    return KnownResult(name, unit, source, known, limit.load / size, static.load / size)
 
 
 def _point_load(known: float) -> KnownResult:
