@@ -75,7 +75,7 @@ def meshes(material: FigureData) -> Figure:
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
             for model in followed_models(material.study, material.detailed, sample):
                 model_curve(axis, material, model, sample, mesh, color=colour)
-        published_point(axis, material.capacity, sample)
+        published_point(axis, material, sample)
         measured_points(axis, material, sample)
         vm_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
         axis.set_ylim(top=1.5 * axis.get_ylim()[1])  # room for the legend
@@ -129,7 +129,7 @@ def revised(material: FigureData) -> Figure:
             mark = {"linestyle": "none", "marker": marker, "markersize": 4, "color": "#444444"}
             mark |= {"markerfacecolor": "white", "clip_on": False, "zorder": 3}
             vm_curve(axis, curve["shear_N"], curve["torque_Nm"], label, **mark)
-        published_point(axis, material.capacity, material.sample)
+        published_point(axis, material, material.sample)
     for axis, title in zip(axes, titles.values(), strict=True):
         vm_axes(axis, title)
     axes[0].legend(fontsize=8)
@@ -161,8 +161,9 @@ def rule_curve(axis: Axes, material: FigureData, rule: str, sample: str, mesh: f
     vm_curve(axis, curve["shear_N"], curve["torque_Nm"], label.name, **line)
 
 
-def published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
+def published_point(axis: Axes, material: FigureData, sample: str) -> None:
     """The paper's peak in pure shear, if it has the sample."""
+    capacity = material.capacity
     rows = capacity[(capacity["sample"] == sample) & (capacity["variant"] == "3dec")]
     mark = {"linestyle": "none", "marker": "*", "markersize": 11, "markerfacecolor": "none"}
     mark |= {"color": PUBLISHED.colour, "clip_on": False, "zorder": 4}

@@ -1,6 +1,6 @@
 """The models of the joint's pieces beside each other, and the effects of variants."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -41,7 +41,7 @@ def models(material: FigureData) -> Figure:
         model_curve(curves, material, model, material.sample, mesh)
     for rule in LAWS:
         rule_curve(curves, material, rule, material.sample, mesh)
-    published_point(curves, material.capacity, material.sample)
+    published_point(curves, material, material.sample)
     vm_axes(curves, "largest loads")
     curves.set_ylim(top=1.35 * curves.get_ylim()[1])  # room for the legend
     curves.legend(fontsize=7, loc="upper right")
@@ -164,28 +164,26 @@ def _friction(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
     axes.legend(fontsize=8)
 
 
-def shown_rows(material: FigureData) -> pd.DataFrame:
-    """Rows of the table of variants that are drawn: at the finest mesh of the study."""
+def variant_rows(
+    material: FigureData, varied: "Callable[[pd.DataFrame], pd.Series[bool]]"
+) -> pd.DataFrame:
+    """Rows of the table of variants that are drawn: of one model, at the finest mesh.
+
+    The model is the first detailed one that has any of the ``varied`` rows; of none, no rows.
+    """
     table, study = material.variants, material.study
-    return table[
+    rows = table[
         np.isclose(table["mesh_m"], min(study.meshes))
         & table["sample"].isin(shown_samples(study))
         & table["upper_body"].isin(BODIES)
     ]
-
-
-def of_one_model(
-    material: FigureData, rows: pd.DataFrame, varied: "pd.Series[bool]"
-) -> pd.DataFrame:
-    """The ``rows`` of the first detailed model that has any of the ``varied``; of none, no rows."""
-    able = set(rows["model"][varied])
+    able = set(rows["model"][varied(rows)])
     return rows[rows["model"] == next((m for m in material.detailed if m in able), None)]
 
 
 def stiffness(material: FigureData) -> Figure:
     """Capacity, lower locks' weights and the rule's error against the stiffness of the block."""
-    rows = shown_rows(material)
-    rows = of_one_model(material, rows, rows["stiffness_ratio"].notna())
+    rows = variant_rows(material, lambda rows: rows["stiffness_ratio"].notna())
     if rows.empty:
         return style.words_only("No block of another stiffness has a result; see the summary.")
     stiffest = rows["stiffness_ratio"].max()
@@ -227,8 +225,7 @@ def stiffness(material: FigureData) -> Figure:
 
 def fracture_energy(material: FigureData) -> Figure:
     """Capacity against the fracture energy of the bonds, direction by direction."""
-    rows = shown_rows(material)
-    rows = of_one_model(material, rows, rows["failure"] == "softening")
+    rows = variant_rows(material, lambda rows: rows["failure"] == "softening")
     if rows.empty:
         return style.words_only("No bond that softens has a result; see the summary.")
     faded = rows[rows["failure"] == "softening"]

@@ -1,6 +1,5 @@
 """The report's data of structures: from their tables, and the shapes of their blocks."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
@@ -39,29 +38,28 @@ def structures_content(
     ``cases``: one of each structure, load and variant; ``blocks``, ``interfaces``: the rows that
     the page has. A case has no shape if there is no room for it.
     """
-    shapes: dict[str, int] = {}
+    shapes: list[dict[str, Any]] = []
     assemblies: dict[str, Assembly] = {}
     found, room = [], MOST_POINTS
     for case in cases:
         problem = case.subject.problem()
         assemblies[case.name] = problem.assembly
         shape = shape_of(problem.assembly)
-        text = json.dumps(shape)
-        if text not in shapes and points_of(shape) <= room:
+        if shape not in shapes and points_of(shape) <= room:
             room -= points_of(shape)
-            shapes[text] = len(shapes)
+            shapes.append(shape)
         found.append(
             {
                 "structure": case.subject.structure,
                 "load": case.subject.load,
                 "variant": case.variant,
-                "shape": shapes.get(text),
+                "shape": shapes.index(shape) if shape in shapes else None,
                 "loads": arrows_of(*problem),
             }
         )
     told = blocks.drop_duplicates(["model", "case"])[["model", "case"]]
     return {
-        "shapes": [json.loads(text) for text in shapes],
+        "shapes": shapes,
         "cases": found,
         "forces": {
             f"{model}/{case}": forces_of(assemblies[case], _interface_rows(own))
