@@ -26,6 +26,7 @@ STRUCTURE_SLIDERS = {
     "azimuth": Slider(-180, 180, 5, "direction in plan, x to y (°)"),
     "slope": Slider(-90, 90, 5, "direction upwards (°)"),
 }
+UNITS = {"cohesion": 1e3, "tensile_strength": 1e3}  # Pa; angles are in degrees
 _LAW: dict[str, Key] = {
     name: ("interfaces", name) for name in ("friction", "cohesion", "tensile_strength")
 }
@@ -133,7 +134,7 @@ class Chosen:
         example, values = EXAMPLES[self.example], dict(self.values)
         found = deepcopy(_original(self.example))
         for name, key in example.keys.items():
-            value = values[name] * (1.0 if name in ("friction", "locks") else 1e3)
+            value = values[name] * UNITS.get(name, 1.0)
             _part(found, key[:-1])[key[-1]] = int(value) if name == "locks" else value
         _part(found, example.load[:-1])[example.load[-1]] = _direction(values, example.tilts)
         return found
@@ -186,10 +187,10 @@ def checked_choice(given: Mapping[str, object]) -> Checked[Chosen]:
 def defaults(name: str) -> dict[str, float]:
     """The sliders' values for an example as its file has it."""
     example, found = EXAMPLES[name], _original(name)
-    values = {}
-    for slider, key in example.keys.items():
-        value = float(_part(found, key[:-1]).get(key[-1], 0.0))
-        values[slider] = value if slider in ("friction", "locks") else value / 1e3
+    values = {
+        slider: _part(found, key[:-1]).get(key[-1], 0.0) / UNITS.get(slider, 1.0)
+        for slider, key in example.keys.items()
+    }
     x, y, z = _part(found, example.load)
     if example.tilts:
         x, y = -y, x  # towards which gravity turns, by the right-hand rule about the axis

@@ -62,9 +62,11 @@ class StructureAnswer:
         """The loads of each model, for a comparison."""
         told: dict[str, Figure] = {"load that counts": self.counts}
         for row in self.rows:
-            loads = {name: each for name, each in row.items() if not name.startswith("mesh error")}
-            numbers = {name: each for name, each in loads.items() if isinstance(each, float)}
-            told |= {f"{row['model']}: {name}": each for name, each in numbers.items()}
+            told |= {
+                f"{row['model']}: {name}": each
+                for name, each in row.items()
+                if isinstance(each, float) and not name.startswith("mesh error")
+            }
         return told
 
 
