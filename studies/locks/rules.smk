@@ -60,11 +60,13 @@ rule freedoms:
         "freedoms.py"
 
 
-rule sensitivity:
+rule variation:
     output:
         sensitivity=shown("tables/sensitivity.csv"),
+        characteristic=shown("tables/characteristic.csv"),
+        assumed_sizes=shown("tables/assumed_sizes.csv"),
     log:
-        below("logs/sensitivity.log"),
+        below("logs/variation.log"),
     group:
         "tables"
     params:
@@ -72,24 +74,7 @@ rule sensitivity:
         base=lambda wildcards: plain(STUDY.base_joint),
         code=code("studies.locks.variation"),
     message:
-        "Find the parameters that the first failure depends on"
-    script:
-        "variation.py"
-
-
-rule paper_joint:
-    output:
-        characteristic=shown("tables/characteristic.csv"),
-        assumed_sizes=shown("tables/assumed_sizes.csv"),
-    log:
-        below("logs/paper_joint.log"),
-    group:
-        "tables"
-    params:
-        base=lambda wildcards: plain(STUDY.base_joint),
-        code=code("studies.locks.variation"),
-    message:
-        "Vary strength and sizes of the joint of the paper"
+        "Find what the first failure depends on, and vary strength and sizes of the paper's joint"
     script:
         "variation.py"
 
@@ -118,7 +103,6 @@ OF_CAMPAIGN = [
     *OF_LAW,
     *rules.law_tables.output,
     *rules.freedoms.output,
-    *rules.sensitivity.output,
-    *rules.paper_joint.output,
+    *rules.variation.output,
     *rules.law_figures.output,
 ]

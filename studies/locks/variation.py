@@ -119,13 +119,6 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
     return loads
 
 
-def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write the table."""
-    sampling = SamplingSection.model_validate_json(arguments["sampling"])
-    base = dataclass_from(Joint, arguments["base"])
-    write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])
-
-
 def characteristic_table(base: Joint) -> pd.DataFrame:
     """Median and 5 % quantile of the first failure over the law's, for joints like ``base``."""
     rows = []
@@ -180,12 +173,14 @@ def _working(joint: Joint) -> float:
     return law(joint, Direction(0.0)).load / joint.T0
 
 
-def run_paper_joint(arguments: Arguments, inputs: Files, outputs: Files) -> None:
-    """Write both tables."""
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write the tables."""
+    sampling = SamplingSection.model_validate_json(arguments["sampling"])
     base = dataclass_from(Joint, arguments["base"])
+    write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])
     write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])
     write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs["assumed_sizes"])
 
 
 if __name__ == "__main__":
-    step(run, paper_joint=run_paper_joint)
+    step(run)
