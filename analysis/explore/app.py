@@ -40,6 +40,7 @@ from analysis.explore.requests import HEADERS, Desk, SupersededError, require_ow
 from analysis.explore.state import (
     SLIDERS,
     Checked,
+    Read,
     Settings,
     Slider,
     State,
@@ -251,9 +252,7 @@ class _Post(BaseModel):
         return {"number": self.number, "notes": list(found.notes)}
 
 
-def _asked(
-    request: Request, read: Callable[[Mapping[str, object]], Checked[State]]
-) -> tuple[_Post, Checked[State]]:
+def _asked(request: Request, read: Read[State]) -> tuple[_Post, Checked[State]]:
     """The request's JSON, and its values by ``read``; `BadRequest` for any other."""
     try:
         sent = _Post.model_validate(json.loads(request.get_data(cache=False)), strict=True)
