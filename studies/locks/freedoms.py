@@ -7,7 +7,6 @@ two over the sum of the largest and the smallest ratio of load to peak.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -34,68 +33,45 @@ FREEDOMS = Table(
 )
 
 
-@dataclass(frozen=True)
-class Fits:
-    """Misfit, locks that count and contact points of each joint, shape (N,).
+def fits(peaks: Floats, locks: Floats, ratios: Sequence[float]) -> dict[str, pd.DataFrame]:
+    """Fit of ``peaks`` (N, D) over T0 with each freedom, for joints with so many ``locks``, (N,).
 
-    ``misfit``: the largest of load over peak, less 1, in all directions. ``position``: of the
-    outer points over a. ``middle``: strength of the middle point over the lock's.
+    A row for each joint. ``misfit``: the largest of load over peak, less 1, in all directions;
+    ``locks``: that count; ``position``: of the outer points over a; ``middle``: strength of the
+    middle point over the lock's.
     """
 
-    misfit: Floats
-    locks: Floats
-    position: Floats
-    middle: Floats
-
-
-def minimax(loads: Floats, peaks: Floats) -> tuple[Floats, Floats]:
-    """The number of locks that fits best, and its misfit: (N,) each.
-
-    ``loads`` of one lock, (D,) or (N, D); ``peaks``, (N, D).
-    """
-    ratio = loads / peaks
-    most, least = ratio.max(axis=1), ratio.min(axis=1)
-    return 2.0 / (most + least), (most - least) / (most + least)
-
-
-def fits(peaks: Floats, locks: Floats, ratios: Sequence[float]) -> dict[str, Fits]:
-    """Fit of ``peaks`` (N, D) over T0 with each freedom, for joints with so many ``locks``."""
-
-    def fixed(option: ContactOption) -> Fits:
-        counted, misfit = minimax(unit_loads(option, ratios), peaks)
-        middle = option.portions[1] if len(option.portions) == 3 else 0.0
-        same = np.ones(len(peaks))
-        return Fits(misfit, counted, option.positions[-1] * same, middle * same)
+    def fixed(option: ContactOption) -> pd.DataFrame:
+        ratio = unit_loads(option, ratios) / peaks
+        most, least = ratio.max(axis=1), ratio.min(axis=1)
+        return pd.DataFrame(
+            {
+                "misfit": (most - least) / (most + least),
+                "locks": 2.0 / (most + least),
+                "position": option.positions[-1],
+                "middle": option.portions[1] if len(option.portions) == 3 else 0.0,
+            }
+        )
 
     half = (locks - 1.0) / 2.0
-    rule = unit_loads(OPTIONS["option4"], ratios) * half[:, None] / peaks - 1.0
-    every = {RULE: Fits(np.abs(rule).max(axis=1), half, np.full(len(peaks), 0.25), 0.0 * half)}
+    rule = np.abs(unit_loads(OPTIONS["option4"], ratios) * half[:, None] / peaks - 1.0).max(axis=1)
+    every = {RULE: pd.DataFrame({"misfit": rule, "locks": half, "position": 0.25, "middle": 0.0})}
     every |= {name: fixed(option) for name, option in OPTIONS.items()}
-    pairs = [fixed(ContactOption.pair(float(position))) for position in POSITIONS]
+    pairs = [fixed(ContactOption.pair(position)) for position in POSITIONS.tolist()]
     triples = [
-        fixed(
-            ContactOption(
-                (-float(end), 0.0, float(end)),
-                ((1.0 - float(part)) / 2.0, float(part), (1.0 - float(part)) / 2.0),
-            )
-        )
-        for end, part in product(ENDS, MIDDLES)
+        fixed(ContactOption((-end, 0.0, end), ((1.0 - part) / 2.0, part, (1.0 - part) / 2.0)))
+        for end, part in product(ENDS.tolist(), MIDDLES.tolist())
     ]
-    every[ONE] = min(pairs, key=lambda each: float(each.misfit.mean()))
+    every[ONE] = min(pairs, key=lambda each: float(each["misfit"].mean()))
     every[EACH] = _best(pairs)
     every[THIRD] = _best([*pairs, *triples])
     return every
 
 
-def _best(fitted: Sequence[Fits]) -> Fits:
+def _best(fitted: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """The fit of least misfit, joint by joint."""
-    place = np.argmin([each.misfit for each in fitted], axis=0)
-    joint = np.arange(len(place))
-
-    def chosen(name: str) -> Floats:
-        return np.asarray(np.array([getattr(each, name) for each in fitted])[place, joint])
-
-    return Fits(*(chosen(name) for name in ("misfit", "locks", "position", "middle")))
+    every = pd.concat(fitted).reset_index(names="joint")
+    return every.loc[every.groupby("joint")["misfit"].idxmin()].reset_index(drop=True)
 
 
 def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
@@ -111,22 +87,21 @@ def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
         joints = peaks.index.to_frame(index=False)
         fitted = fits(peaks.to_numpy(), joints["locks"].to_numpy(dtype=float), ratios)
         for (freedom, fit), ((body, locks), group) in product(fitted.items(), [*by_locks(joints)]):
-            chosen = group.to_numpy()
-            if not chosen.any():
+            own = fit[group]
+            if own.empty:
                 continue
-            misfit = fit.misfit[chosen]
             rows.append(
                 {
                     "sampling": sampling,
                     "freedom": freedom,
                     "upper_body": body,
                     "locks": locks,
-                    "joints": int(chosen.sum()),
-                    "mean_misfit": float(misfit.mean()),
-                    "misfit_95_percent": float(np.quantile(misfit, 0.95)),
-                    "locks_that_count": float(np.median(fit.locks[chosen])),
-                    "position_over_a": float(np.median(fit.position[chosen])),
-                    "middle_share": float(np.median(fit.middle[chosen])),
+                    "joints": len(own),
+                    "mean_misfit": own["misfit"].mean(),
+                    "misfit_95_percent": own["misfit"].quantile(0.95),
+                    "locks_that_count": own["locks"].median(),
+                    "position_over_a": own["position"].median(),
+                    "middle_share": own["middle"].median(),
                 }
             )
     return pd.DataFrame(rows, columns=list(FREEDOMS.columns))
