@@ -13,7 +13,7 @@ from sidmacib import CapacityCurve, CapacityError, capacity_curve, limit_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats
 from sidmacib.structure.analysis.contacts import Placement
 from sidmacib.structure.analysis.tilt import Tilt, tilting
-from sidmacib.structure.blocks import box
+from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight, support_moves
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
@@ -64,6 +64,14 @@ def test_a_block_that_slides_does_not_climb_and_tips_where_its_centroid_leaves_t
     assert curve.displacement[-1] == pytest.approx(0.3, abs=0.002)
     heights = [each.placed.centre[1, 2] for each in curve.path.positions]
     assert max(heights) == pytest.approx(0.1, abs=0.002)
+
+
+def test_blocks_none_of_which_is_convex_are_followed() -> None:
+    angle = [(0, 0, 0), (0.6, 0, 0), (0.6, 0.2, 0), (0.2, 0.2, 0), (0.2, 0.6, 0), (0, 0.6, 0)]
+    base = prism("base", angle, (0.0, 0.0, -0.1), 2e3, fixed=True)
+    model = structure([base, prism("block", angle, (0.0, 0.0, 1.0), 2e3)], dry(0.7))
+    curve = capacity_curve(model, acceleration(model, ALONG_X))
+    assert "the load falls to 0" in curve.end
 
 
 def wall(stop: float) -> tuple[Assembly, Callable[[float], tuple[Floats, Floats]]]:

@@ -215,8 +215,10 @@ def test_blocks_that_overlap_are_refused_by_name() -> None:
         structure([GROUND, BLOCK, inside], dry(0.5))
     sunk = moved(BLOCK, Rotation.identity(), (0.0, 0.0, -0.01))
     words = r"^blocks: ground and block overlap by 0\.01 m; tolerance: 0\.009 "
-    with pytest.raises(ValueError, match=words):
-        structure([GROUND, sunk], dry(0.5))
+    beside = box("beside", (1.0, 0.0, 0.0), (1.4, 0.6, 1.0), 2e3)
+    for others in ([], [beside]):  # beside several small blocks the ground is a large one
+        with pytest.raises(ValueError, match=words):
+            structure([GROUND, sunk, *others], dry(0.5))
 
 
 @pytest.mark.parametrize("turn", [(0, 0, 0), (20, 30, 40)])

@@ -4,14 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 import shapely
 import trimesh
 
-from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Elastic, Floats, Piece, Vector
-from sidmacib.structure.crossing import bodies, crossing
+from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Floats, Piece, Vector
+from sidmacib.structure.crossing import bodies, crossing, fans
 from sidmacib.validation import LARGE, require_positive
 
 FLAT = 1e-6  # over a block's size: how far a face's vertices may be from its plane
@@ -33,8 +33,8 @@ class Block:
     faces: tuple[tuple[int, ...], ...]
     density: float
     fixed: bool = False
-    elastic: Elastic | None = None
     material: str | None = None  # its name, by which laws of interfaces may be chosen
+    elastic: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(**{f"{self.name}, density (kg/m3)": self.density})
@@ -114,14 +114,8 @@ class Block:
 
     @cached_property
     def _solid(self) -> trimesh.triangles.MassProperties:
-        # Fans from each face's first vertex; triangles behind a reentrant corner count negative.
-        fans = [
-            (corners[0], one, next_one)
-            for corners in self.outlines
-            for one, next_one in pairwise(corners[1:])
-        ]
         middle = self.places.mean(axis=0)  # about which less is lost to rounding
-        return trimesh.triangles.mass_properties(np.array(fans) - middle)
+        return trimesh.triangles.mass_properties((self.places - middle)[fans(self.faces)])
 
     @property
     def volume(self) -> float:
@@ -161,7 +155,7 @@ class Compound:
     name: str
     solids: tuple[Block, ...]
     fixed: bool = False
-    elastic: Elastic | None = None
+    elastic: ClassVar[None] = None
 
     @property
     def volume(self) -> float:
@@ -217,6 +211,18 @@ def require_near(name: str, places: Floats) -> None:
         raise ValueError(f"{name}: all coordinates must be finite, and at most {LARGE:g} m")
 
 
+def vectors(places: Floats) -> tuple[Vector, ...]:
+    """Points, (K, 3), as plain numbers."""
+    return tuple((x, y, z) for x, y, z in places.tolist())
+
+
+def compact(places: Floats, faces: Sequence[Sequence[int]]) -> tuple[Floats, list[tuple[int, ...]]]:
+    """The vertices, (V, 3), that faces have, and the faces with their new numbers."""
+    used = sorted({vertex for face in faces for vertex in face})
+    number = {vertex: new for new, vertex in enumerate(used)}
+    return places[used], [tuple(number[vertex] for vertex in face) for face in faces]
+
+
 _YZX, _ZXY = (1, 2, 0), (2, 0, 1)
 
 
@@ -251,8 +257,7 @@ def prism(
     count = len(low)
     sides = [(k, (k - 1) % count, (k - 1) % count + count, k + count) for k in range(count)]
     faces = (tuple(range(count)), tuple(range(2 * count - 1, count - 1, -1)), *sides)
-    vertices = tuple((float(x), float(y), float(z)) for x, y, z in (*low, *(low + along)))
-    return Block(name, vertices, faces, density, fixed)
+    return Block(name, vectors(np.array([*low, *(low + along)])), faces, density, fixed)
 
 
 def box(name: str, low: Vector, high: Vector, density: float, *, fixed: bool = False) -> Block:

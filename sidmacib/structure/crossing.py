@@ -52,13 +52,17 @@ def bodies(places: Floats, faces: Sequence[Sequence[int]]) -> int:
     """
     vertex_links = np.array([(face[0], v) for face in faces for v in face[1:]])
     part_of = grouped(len(places), vertex_links)
-    volume = np.zeros(part_of.max() + 1)
-    middle = places.mean(axis=0)
-    for face in faces:
-        first, *rest = places[list(face)] - middle
-        for one, other in pairwise(rest):
-            volume[part_of[face[0]]] += float(first @ np.cross(one, other)) / 6.0
-    return int((volume > 0.0).sum())
+    triangles = fans(faces)
+    volume = np.linalg.det((places - places.mean(axis=0))[triangles]) / 6.0
+    return int((np.bincount(part_of[triangles[:, 0]], volume) > 0.0).sum())
+
+
+def fans(faces: Sequence[Sequence[int]]) -> Integers:
+    """Triangles about the first vertex of each face, by the numbers of their vertices, (T, 3).
+
+    Of a face with a reentrant corner some run the other way round, so that sums over all are right.
+    """
+    return np.array([(f[0], one, other) for f in faces for one, other in pairwise(f[1:])])
 
 
 def grouped(count: int, pairs: Integers) -> Integers:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from sidmacib.mechanics.assembly import CLOSE, Floats, Integers
-from sidmacib.structure.blocks import Block
+from sidmacib.structure.blocks import Block, compact, vectors
 
 NEAR = 1e-7  # over a block's size: vertices no further from a plane lie in it
 
@@ -28,34 +28,28 @@ def cut(block: Block, point: Floats, normal: Floats) -> tuple[Block | None, Bloc
         return block, None
     if not height.min() < 0.0:
         return None, block
-    places, faces = list(block.places), [list(face) for face in block.faces]
-    crossings = {}
-    for face in faces:
+    places = list(block.places)
+    split: list[list[int]] = []
+    crossings: dict[tuple[int, int], int] = {}  # vertices where edges cross the plane
+    for face in block.faces:
+        divided: list[int] = []
         for one, other in zip(face, face[1:] + face[:1], strict=True):
-            edge = min(one, other), max(one, other)
-            if height[one] * height[other] < 0.0 and edge not in crossings:
-                crossings[edge] = len(places)
-                low, high = height[edge[0]], height[edge[1]]
-                share = low / (low - high)
-                places.append((1 - share) * places[edge[0]] + share * places[edge[1]])
-    split = [_with_crossings(face, crossings) for face in faces]
+            divided.append(one)
+            if height[one] * height[other] < 0.0:
+                low, high = edge = min(one, other), max(one, other)
+                if edge not in crossings:
+                    crossings[edge] = len(places)
+                    share = height[low] / (height[low] - height[high])
+                    places.append((1 - share) * places[low] + share * places[high])
+                divided.append(crossings[edge])
+        split.append(divided)
     everywhere = np.append(height, np.zeros(len(crossings)))
-    cap = _around(np.flatnonzero(everywhere == 0.0), np.array(places), normal)
+    every = np.array(places)
+    cap = _around(np.flatnonzero(everywhere == 0.0), every, normal)
     return (
-        _part(block, places, split, everywhere, -1.0, cap),
-        _part(block, places, split, everywhere, 1.0, cap[::-1]),
+        _part(block, every, split, everywhere, -1.0, cap),
+        _part(block, every, split, everywhere, 1.0, cap[::-1]),
     )
-
-
-def _with_crossings(face: list[int], crossings: dict[tuple[int, int], int]) -> list[int]:
-    """The vertices of ``face`` with those where its edges cross the plane."""
-    found = []
-    for one, other in zip(face, face[1:] + face[:1], strict=True):
-        found.append(one)
-        crossing = crossings.get((min(one, other), max(one, other)))
-        if crossing is not None:
-            found.append(crossing)
-    return found
 
 
 def _around(numbers: Integers, places: Floats, normal: Floats) -> list[int]:
@@ -68,7 +62,7 @@ def _around(numbers: Integers, places: Floats, normal: Floats) -> list[int]:
 
 def _part(
     block: Block,
-    places: list[Floats],
+    places: Floats,
     faces: list[list[int]],
     height: Floats,
     side: float,
@@ -77,13 +71,8 @@ def _part(
     """The part on one ``side`` (1 or -1) of the plane, closed by ``cap``."""
     kept = [[v for v in face if side * height[v] >= 0.0] for face in faces]
     kept = [face for face in kept if any(side * height[v] > 0.0 for v in face)] + [cap]
-    used = sorted({vertex for face in kept for vertex in face})
-    number = {vertex: new for new, vertex in enumerate(used)}
-    return replace(
-        block,
-        vertices=tuple((float(x), float(y), float(z)) for x, y, z in (places[v] for v in used)),
-        faces=tuple(tuple(number[vertex] for vertex in face) for face in kept),
-    )
+    used, numbered = compact(places, kept)
+    return replace(block, vertices=vectors(used), faces=tuple(numbered))
 
 
 Plane = tuple[Floats, Floats]  # a point (m) and the unit normal, (3,) each

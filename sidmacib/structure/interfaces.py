@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from sidmacib.mechanics.assembly import CLOSE, Floats, Vector
-from sidmacib.structure.blocks import Block, normal_of
-from sidmacib.structure.overlaps import WIDEST, require_apart, tolerance_for
+from sidmacib.structure.blocks import Block, normal_of, vectors
+from sidmacib.structure.overlaps import WIDEST, meeting_boxes, require_apart, tolerance_for
 from sidmacib.validation import refused
 
 NEAR = 1e-6  # over the mean size of the blocks: how far faces in one plane may be apart
@@ -34,6 +34,23 @@ class Interface:
     axes: Floats
     middle: Vector
     outline: shapely.Polygon
+
+    @classmethod
+    def of(
+        cls,
+        ends: tuple[int, int],
+        axes: Floats,
+        origin: Floats,
+        region: shapely.Polygon,
+        outline: shapely.Polygon,
+    ) -> "Interface":
+        """The interface of two blocks in a ``region`` along the tangents from ``origin`` (m).
+
+        ``outline``: the same, perhaps with fewer corners.
+        """
+        flat = shapely.get_coordinates(region.centroid)[0]
+        (middle,) = vectors((origin + flat @ axes[1:])[None])
+        return cls(*ends, axes, middle, shapely.affinity.translate(outline, *(-flat)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +205,7 @@ def _whole(parts: list[Interface], near: float) -> Iterator[Interface]:
         if len(plane) == 1:
             yield plane[0]
             continue
-        axes, middle = plane[0].axes, np.array(plane[0].middle)
+        first, axes, middle = plane[0], plane[0].axes, np.array(plane[0].middle)
         outlines: list[shapely.Polygon] = []
         for part in plane:
             corners = shapely.get_coordinates(part.outline) @ part.axes[1:] + part.middle - middle
@@ -197,10 +214,8 @@ def _whole(parts: list[Interface], near: float) -> Iterator[Interface]:
                 outline = shapely.snap(outline, other, near)
             outlines.append(outline)
         for region in shapely.get_parts(_united(outlines, near)):
-            flat = shapely.get_coordinates(region.centroid)[0]
-            x, y, z = middle + flat @ axes[1:]
-            outline = shapely.affinity.translate(_plain(region, near), *(-flat))
-            yield replace(plane[0], middle=(float(x), float(y), float(z)), outline=outline)
+            ends = first.below, first.above
+            yield Interface.of(ends, axes, middle, region, _plain(region, near))
 
 
 def _united(outlines: Sequence[shapely.Polygon], near: float) -> shapely.Geometry:
@@ -235,20 +250,17 @@ def close(blocks: Sequence[Block], near: float) -> list[tuple[float, Interface]]
     return sorted(found, key=lambda each: (each[1].below, each[1].above, each[1].middle))
 
 
-def _facing(sides: Sequence[_Side], fixed: Sequence[bool], near: float) -> list[tuple[int, int]]:
+def _facing(sides: Sequence[_Side], fixed: Sequence[bool], near: float) -> list[list[int]]:
     """Pairs of faces that look at each other, in the order of their blocks, whose boxes meet."""
     low = np.array([side.corners.min(axis=0) for side in sides]) - near / 2.0
     high = np.array([side.corners.max(axis=0) for side in sides]) + near / 2.0
+    one, other = (pairs := meeting_boxes(low, high)).T
     block = np.array([side.block for side in sides])
-    normal, held = np.array([side.normal for side in sides]), np.array(fixed)
-    u, v = np.argsort(high.max(axis=0) - low.min(axis=0))[1:]  # the plane with the fewest overlaps
-    boxes = shapely.box(low[:, u], low[:, v], high[:, u], high[:, v])
-    one, other = shapely.STRtree(boxes).query(boxes)
-    kept = (block[one] < block[other]) & ~(held[block[one]] & held[block[other]])
-    one, other = one[kept], other[kept]
-    kept = (low[one] <= high[other]).all(axis=1) & (low[other] <= high[one]).all(axis=1)
+    normal, held = np.array([side.normal for side in sides]), np.array(fixed)[block]
+    kept = (block[one] < block[other]) & ~(held[one] & held[other])
     kept &= np.einsum("ij,ij->i", normal[one], normal[other]) < -ALONG
-    return list(zip(one[kept].tolist(), other[kept].tolist(), strict=True))
+    found: list[list[int]] = pairs[kept].tolist()
+    return found
 
 
 def _overlap(
@@ -268,11 +280,8 @@ def _overlap(
         gap = float(gaps[np.abs(gaps).argmax()])
         if abs(gap) > near:
             continue
-        flat = shapely.get_coordinates(part.centroid)[0]
-        outline = shapely.affinity.translate(_plain(part, edge), *(-flat))
-        x, y, z = centre + one.offset * one.normal + flat @ axes[1:]
-        middle = (float(x), float(y), float(z))
-        yield gap, Interface(one.block, other.block, axes, middle, outline)
+        ends, origin = (one.block, other.block), centre + one.offset * one.normal
+        yield gap, Interface.of(ends, axes, origin, part, _plain(part, edge))
 
 
 def common(one: shapely.Polygon, other: shapely.Polygon, near: float) -> shapely.Geometry:

@@ -7,9 +7,9 @@ from typing import TypeVar
 
 import manifold3d
 import numpy as np
-from scipy.spatial import cKDTree
+import shapely
 
-from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.blocks import Block, area_vector
 
 WIDEST = 0.1  # largest tolerance, over the mean size of the blocks
@@ -120,24 +120,28 @@ def overlap(one: Solid, other: Solid, near: float = 0.0) -> float:
 
 
 def candidates(blocks: Sequence[Solid], near: float) -> Iterator[tuple[Solid, Solid]]:
-    """Pairs of blocks, one of them free, whose boxes overlap."""
+    """Pairs of blocks, one of them free, whose boxes overlap by more than ``near`` (m)."""
+    if not blocks:
+        return
     low = np.array([block.places.min(axis=0) for block in blocks])
     high = np.array([block.places.max(axis=0) for block in blocks])
-    middle, reach = (low + high) / 2, np.linalg.norm(high - low, axis=1) / 2
-    usual = float(np.median(reach))
-    large = set(np.flatnonzero(reach > 2 * usual).tolist())  # few, such as the ground
-    tree = cKDTree(middle)
-    for number, others in enumerate(tree.query_ball_point(middle, reach + 2 * usual)):
-        for other in sorted(large.union(others)):
-            small = other not in large or number in large
-            pair = number < other if small else number != other
-            if not pair:
-                continue
-            if blocks[number].fixed and blocks[other].fixed:
-                continue
-            inside = np.minimum(high[number], high[other]) - np.maximum(low[number], low[other])
-            if inside.min() > near:
-                yield blocks[number], blocks[other]
+    for one, other in meeting_boxes(low, high).tolist():
+        depth = (np.minimum(high[one], high[other]) - np.maximum(low[one], low[other])).min()
+        if depth > near and not (blocks[one].fixed and blocks[other].fixed):
+            yield blocks[one], blocks[other]
+
+
+def meeting_boxes(low: Floats, high: Floats) -> Integers:
+    """Pairs of boxes that meet, (K, 2), in their order.
+
+    ``low``, ``high``: their least and largest coordinates (m), (N, 3).
+    """
+    u, v = np.argsort(high.max(axis=0) - low.min(axis=0))[1:]  # the plane with the fewest overlaps
+    boxes = shapely.box(low[:, u], low[:, v], high[:, u], high[:, v])
+    one, other = shapely.STRtree(boxes).query(boxes)
+    meet = (low[one] <= high[other]).all(axis=1) & (low[other] <= high[one]).all(axis=1)
+    pairs = np.stack([one, other], axis=1)[meet & (one < other)]
+    return np.asarray(pairs[np.lexsort(pairs.T[::-1])])
 
 
 def _axes(one: Solid, other: Solid) -> Iterator[Floats]:

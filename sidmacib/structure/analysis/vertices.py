@@ -11,7 +11,7 @@ from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
-from sidmacib.structure.blocks import Block
+from sidmacib.structure.blocks import Block, vectors
 from sidmacib.structure.interfaces import NEAR, mean_size
 from sidmacib.structure.loads import free_weight
 
@@ -79,9 +79,8 @@ def vertex_effects(
             None if load is None else (load - derived.load / weight * heavier) / weight
             for load, heavier in zip(by_load, by_weight, strict=True)
         )
-        places = tuple((float(x), float(y), float(z)) for x, y, z in group)
         having = tuple(each.name for each in blocks if _at(each, group, NEAR * size).any())
-        effects.append(VertexEffect(places, having, by_load, by_factor))
+        effects.append(VertexEffect(vectors(group), having, by_load, by_factor))
     return tuple(effects)
 
 
@@ -111,8 +110,7 @@ def _moved(
     near, others = NEAR * mean_size(blocks), []
     for block in blocks:
         here = _at(block, places, near)
-        moved = block.places + here[:, None] * shift
-        vertices = tuple((float(x), float(y), float(z)) for x, y, z in moved)
+        vertices = vectors(block.places + here[:, None] * shift)
         others.append(replace(block, vertices=vertices) if here.any() else block)
     for place in places:
         if not any(_at(block, place[None], near).any() for block in blocks):

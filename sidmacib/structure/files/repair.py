@@ -3,21 +3,23 @@
 import math
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sidmacib.mechanics.assembly import Floats, Integers
+from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.blocks import (
     FLAT,
     Block,
     area_vector,
+    compact,
     normal_of,
     off_plane,
     require_few_faces,
+    vectors,
 )
-from sidmacib.structure.crossing import grouped
+from sidmacib.structure.crossing import fans, grouped
 from sidmacib.validation import refused
 
 MOST_NAMES = 8  # in a message
@@ -44,15 +46,14 @@ def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density:
     places, faces = _welded(places, faces, FLAT)
     if not faces:
         raise ValueError(f"{name}: has no faces with an area")
-    places, faces = _compact(places, faces)  # as other bodies may have vertices, too
+    places, faces = compact(places, faces)  # as other bodies may have vertices, too
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     thick = [face for face in faces if _thickness(places[list(face)]) > FLAT * size]
     kept = _divided(_once(thick), places, FLAT * size)
     kept = [plane for face in kept for plane in planes(face, places, size)]
     kept = _outwards(name, kept, places)
-    places, kept = _compact(places, _in_planes(name, kept, places, size))
-    vertices = tuple((float(x), float(y), float(z)) for x, y, z in places)
-    return Block(name, vertices, tuple(kept), density)
+    places, kept = compact(places, _in_planes(name, kept, places, size))
+    return Block(name, vectors(places), tuple(kept), density)
 
 
 def with_depth(places: Floats, faces: Sequence[Face]) -> Surface:
@@ -106,26 +107,22 @@ def bodies_in(places: Floats, faces: Sequence[Face]) -> tuple[Floats, list[list[
     return places, _with_cavities(list(once.values())[::-1], places)
 
 
-def _joined(places: Floats, faces: Sequence[Sequence[int]], near: float) -> tuple[Floats, Integers]:
-    """Vertices no nearer to each other than ``near`` over the size of all that faces have, (W, 3).
-
-    And the number among them of each in ``places``, (V,).
-    """
-    used = places[np.unique(np.concatenate([np.array(face, int) for face in faces]))]
-    size = float(np.linalg.norm(np.ptp(used, axis=0)))
-    label = grouped(len(places), cKDTree(places).query_pairs(near * size, output_type="ndarray"))
-    return places[np.unique(label, return_index=True)[1]], label
-
-
 def _welded(
     places: Floats, faces: Sequence[Sequence[int]], near: float
 ) -> tuple[Floats, list[Face]]:
-    """Vertices without those at one place, see `_joined`, and those faces that have an area."""
+    """Vertices of which those at one place are one, and those faces that have an area.
+
+    Vertices are at one place if no further apart than ``near`` over the size of all that faces
+    have.
+    """
     if not faces:
         return places, []
-    same, label = _joined(places, faces, near)
-    cleaned = (_without_repeats([int(label[vertex]) for vertex in face]) for face in faces)
-    return same, [face for face in cleaned if len(set(face)) > 2]
+    used = places[sorted({vertex for face in faces for vertex in face})]
+    size = float(np.linalg.norm(np.ptp(used, axis=0)))
+    label = grouped(len(places), cKDTree(places).query_pairs(near * size, output_type="ndarray"))
+    cleaned = (_without_repeats(label[[*face]].tolist()) for face in faces)
+    kept = places[np.unique(label, return_index=True)[1]]
+    return kept, [face for face in cleaned if len(set(face)) > 2]
 
 
 def planes(face: Face, places: Floats, size: float) -> list[Face]:
@@ -219,12 +216,16 @@ def _divided(faces: list[Face], places: Floats, near: float) -> list[Face]:
 
 def _connected(faces: Sequence[Face]) -> list[list[Face]]:
     """Parts of a surface that hang together by edges of two faces."""
-    pairs = [(b[0][0], b[1][0]) for b in _sides(faces).values() if len(b) == 2]
+    return _linked(faces, [(b[0][0], b[1][0]) for b in _sides(faces).values() if len(b) == 2])
+
+
+def _linked(faces: Sequence[Face], pairs: Sequence[tuple[int, int]]) -> list[list[Face]]:
+    """The groups of ``faces`` that ``pairs`` of their numbers connect, in their order."""
     label = grouped(len(faces), np.array(pairs, int).reshape(-1, 2))
-    parts: dict[int, list[Face]] = {}
-    for number, face in enumerate(faces):
-        parts.setdefault(int(label[number]), []).append(face)
-    return list(parts.values())
+    groups: dict[int, list[Face]] = {}
+    for number, face in zip(label.tolist(), faces, strict=True):
+        groups.setdefault(number, []).append(face)
+    return list(groups.values())
 
 
 def _in_order(faces: Sequence[Face]) -> list[list[Face]]:
@@ -263,15 +264,9 @@ def _with_cavities(surfaces: list[list[Face]], places: Floats) -> list[list[Face
     return list(bodies.values())
 
 
-def _fans(faces: Sequence[Face], places: Floats, point: Floats) -> Floats:
-    """Triangles of ``faces`` from their first vertices, seen from a ``point``: (3, T, 3) in m."""
-    fans = np.array([(f[0], a, b) for f in faces for a, b in pairwise(f[1:])])
-    return np.moveaxis(places[fans] - point, 1, 0)
-
-
 def _is_inside(point: Floats, faces: Sequence[Face], places: Floats) -> bool:
     """Whether a ``point`` (m) is in what closed ``faces`` bound, which may be turned either way."""
-    one, two, three = _fans(faces, places, point)  # van Oosterom and Strackee
+    one, two, three = np.moveaxis(places[fans(faces)] - point, 1, 0)  # van Oosterom and Strackee
     a, b, c = (np.linalg.norm(each, axis=1) for each in (one, two, three))
     volume = np.einsum("ij,ij->i", one, np.cross(two, three))
     dots = [np.einsum("ij,ij->i", x, y) for x, y in ((one, two), (two, three), (three, one))]
@@ -318,8 +313,8 @@ def _place(point: Floats) -> str:
 
 def _volume(faces: Sequence[Face], places: Floats) -> float:
     """The volume that closed faces bound, in m3; negative if they are seen from inside."""
-    one, two, three = _fans(faces, places, places[list(faces[0])].mean(axis=0))
-    return float(np.einsum("ij,ij->", one, np.cross(two, three)) / 6.0)
+    middle = places[list(faces[0])].mean(axis=0)
+    return float(np.linalg.det(places[fans(faces)] - middle).sum() / 6.0)
 
 
 def _in_planes(name: str, faces: list[Face], places: Floats, size: float) -> list[Face]:
@@ -332,12 +327,9 @@ def _in_planes(name: str, faces: list[Face], places: Floats, size: float) -> lis
     if not pairs:
         require_few_faces(name, len(faces))
         return faces
-    label = grouped(len(faces), np.array(pairs, int))
-    require_few_faces(name, len(np.unique(label)))
-    groups: dict[int, list[Face]] = {}
-    for number, face in enumerate(faces):
-        groups.setdefault(int(label[number]), []).append(face)
-    joined = [face for group in groups.values() for face in _outline(group, places, size)]
+    groups = _linked(faces, pairs)
+    require_few_faces(name, len(groups))
+    joined = [face for group in groups for face in _outline(group, places, size)]
     return _without_straight(joined, places, size)
 
 
@@ -380,10 +372,3 @@ def _without_straight(faces: list[Face], places: Floats, size: float) -> list[Fa
                     straight.add(vertex)
     shorter = [tuple(v for v in face if v not in straight) for face in faces]
     return shorter if all(len(face) > 2 for face in shorter) else faces
-
-
-def _compact(places: Floats, faces: list[Face]) -> tuple[Floats, list[Face]]:
-    """The vertices that faces have, and the faces with their new numbers."""
-    used = sorted({vertex for face in faces for vertex in face})
-    number = {vertex: new for new, vertex in enumerate(used)}
-    return places[used], [tuple(number[vertex] for vertex in face) for face in faces]
