@@ -22,8 +22,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
 from workflow.closure import ROOT

@@ -12,7 +12,9 @@ from small import COARSE
 
 from sidmacib import Assembly, FaceMaterial, limit_load
 from sidmacib.models import MODELS
+from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.files.structure_file import description_in, structure_of
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure
 from sidmacib.yaml_text import read_yaml
@@ -28,6 +30,11 @@ def example(name: str) -> dict[str, Any]:
     folder = Path(__file__).parents[1] / "studies/structures"
     found: dict[str, Any] = read_yaml(folder / f"{name}.yaml")
     return found
+
+
+def read_structure(path: Path) -> Problem:
+    """The structure and its load in a file."""
+    return structure_of(description_in(path), path.parent)
 
 
 def condensed_keys() -> dict[str, Any]:

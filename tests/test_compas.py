@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 from command_runner import answers
 from scipy.spatial.transform import Rotation
-from structures import dry, moved
+from structures import dry, moved, read_structure
 
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
-from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.structure import structure
 

@@ -13,8 +13,7 @@ from test_compas import assembly, model
 
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.files.compas_results import at_corners
 from sidmacib.structure.files.structure_file import structure_of
 

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 
 compas = pytest.importorskip("compas")
 compas_cra = pytest.importorskip("compas_cra")

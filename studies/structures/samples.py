@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout
-from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.structure import structure
 
 REQUIREMENTS = Path("requirements-peers.txt")

@@ -31,8 +31,7 @@ from sidmacib.engines.results import read_outcome
 from sidmacib.engines.scripts.records import HISTORY, NODES, RESULT
 from sidmacib.errors import ResultError
 from sidmacib.problem import Outcome, Problem
-from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from workflow.case import JointCase
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study, read_study_file

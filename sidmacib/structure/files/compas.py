@@ -1,23 +1,24 @@
-"""Blocks from a file of the COMPAS framework, without COMPAS.
+"""Blocks, and interfaces between them, from a file of the COMPAS framework, without COMPAS.
 
 Read is the JSON that `compas.json_dump` writes: an assembly of compas_assembly or compas_cra, a
 model or an analysis of compas_dem, a mesh, or a list of meshes; of COMPAS 2, 1 and older. A model
 and an assembly are a graph whose nodes have a block, a mesh of vertices and faces, and whose edges
-may have interfaces, which `sidmacib.structure.files.compas_interfaces` reads.
+may have interfaces.
 """
 
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 
-from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.quantities import Number, shown
-from sidmacib.structure.blocks import Block, require_near
+from sidmacib.structure.blocks import Block, area_vector, require_near
 from sidmacib.structure.files.repair import (
     AS_IT_IS,
     Surface,
@@ -26,6 +27,7 @@ from sidmacib.structure.files.repair import (
     repaired,
     with_depth,
 )
+from sidmacib.structure.interfaces import Interface, tangents
 
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
 BLOCK = "compas_assembly.datastructures/Block"
@@ -40,6 +42,8 @@ ELEMENTS, MESH = (
 CONTACT = "compas_dem.interactions/FrictionContact"
 KINDS = (*ASSEMBLIES, MODEL, ANALYSIS, MESH)
 DENSITIES = Number(at_least=1e-3, at_most=1e6, unit="kg/m3")
+ALONG = 0.9  # least cosine between the normals of an interface and of a face beside it
+AWAY = 1e-3  # weight of the distance along a face, against that from its plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +92,50 @@ def read_compas(
     )
 
 
+def read_compas_interfaces(
+    path: Path, blocks: Sequence[Block], frame: Floats = AS_IT_IS
+) -> tuple[Interface, ...]:
+    """The interfaces in the JSON file ``path`` between its ``blocks``, of `read_compas`.
+
+    ``frame`` as there. Their normals are those of the blocks' nearest faces. Errors of
+    `read_compas`, and ValueError, which names the edge, for an interface that has no area or is at
+    no face.
+    """
+    nodes = {block.name.rpartition("-")[2]: place for place, block in enumerate(blocks)}
+    found = []
+    for one, other, points in _edges_in(path):
+        name = f"edge between {shown(one)} and {shown(other)}"
+        if one not in nodes or other not in nodes:
+            raise ValueError(f"{name}: must be between two blocks of the file")
+        corners = points.reshape(-1, 3)
+        require_near(name, corners)
+        below, above = sorted((nodes[one], nodes[other]))
+        if not (blocks[below].fixed and blocks[above].fixed):
+            found.append(_interface(name, below, above, corners @ frame.T, blocks[below]))
+    return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
+
+
+def _interface(name: str, below: int, above: int, corners: Floats, block: Block) -> Interface:
+    """The region within ``corners`` (m), (K, 3), beside a face of the ``block`` below."""
+    about = corners.mean(axis=0)
+    around = area_vector(corners - about)
+    if not np.linalg.norm(around) > CLOSE * block.size**2:
+        raise ValueError(f"{name}: an interface must have an area")
+    normal = around / np.linalg.norm(around)
+    beside = block.normals @ normal
+    arms = about - np.array([outline.mean(axis=0) for outline in block.outlines])
+    # In the plane of the face first, then near its middle.
+    apart = np.abs((arms * block.normals).sum(axis=1)) + AWAY * np.linalg.norm(arms, axis=1)
+    apart[np.abs(beside) <= ALONG] = np.inf
+    normal *= np.sign(beside[apart.argmin()])
+    axes = np.array([normal, *tangents(normal)])
+    outline = shapely.Polygon((corners - about) @ axes[1:].T)
+    if not (np.isfinite(apart).any() and outline.is_valid):
+        raise ValueError(f"{name}: an interface must be beside a face of its block, and not cross")
+    plain = shapely.normalize(outline).reverse()
+    return Interface.of((below, above), axes, about, outline, plain)
+
+
 @contextmanager
 def _understood(path: Path) -> Iterator[None]:
     """ValueError that names the file, for values that are not where COMPAS writes them."""
@@ -133,7 +181,7 @@ def graph_in(content: Any) -> Mapping[str, Any]:
     return held if "node" in held else data_of(held["graph"])
 
 
-def edges_in(path: Path) -> list[tuple[str, str, Floats]]:
+def _edges_in(path: Path) -> list[tuple[str, str, Floats]]:
     """Two nodes and the corners (m), (K, 3), of each interface in a file; ValueError."""
     with _understood(path):
         return [

@@ -12,8 +12,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.quantities import MEASURED_IN, Number, shown
 from sidmacib.reading import Keys, Text
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.files.compas import DENSITIES, read_compas
-from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
+from sidmacib.structure.files.compas import DENSITIES, read_compas, read_compas_interfaces
 from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.repair import chosen
 from sidmacib.structure.interfaces import Interface, mean_size
