@@ -55,45 +55,37 @@ class Permanent:
 
 @dataclass(frozen=True)
 class StructureLoads(Loads):
-    """Loads on a structure. ``levers``: of permanent loads beside weight, see `Permanent`."""
+    """Loads on a structure; ``beside``: the part of the permanent ones that is not weight."""
 
-    levers: Floats | None = None
+    beside: Permanent | None = None
+
+    def at(self, load: float) -> Floats:
+        """As `Loads.at`, but where gravity turns, what is ``beside`` weight stays."""
+        if self.axis is None or self.beside is None:
+            return super().at(load)
+        fixed = self.beside.wrenches
+        return replace(self, permanent=self.permanent - fixed, beside=None).at(load) + fixed
 
     def turned_moments(self, turns: Floats) -> Floats:
         """Moments (N m) of permanent loads on pieces that have turned by ``turns``, (P, 3, 3)."""
-        if self.levers is None:
+        if self.beside is None:
             return np.zeros((len(turns), 3))
-        sums = turns @ self.levers
+        sums = turns @ self.beside.levers
         across = sums - np.swapaxes(sums, 1, 2)
         return np.stack([across[:, 1, 2], across[:, 2, 0], across[:, 0, 1]], axis=1)
 
 
-@dataclass(frozen=True)
-class Tilting(StructureLoads):
-    """Gravity that turns. ``beside``: permanent forces (N) and moments that do not, (P, 6)."""
-
-    beside: Floats | None = None
-
-    def at(self, load: float) -> Floats:
-        """As `Loads.at`, but that what is ``beside`` weight stays."""
-        if self.beside is None:
-            return super().at(load)
-        return replace(self, permanent=self.permanent - self.beside, beside=None).at(load) + (
-            self.beside
-        )
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PointForce(StructureLoads):
     """A force at a point that moves with its piece.
 
     ``arms``: from the centroids to the points (m), (P, 3), 0 for pieces without a force.
     """
 
-    arms: Floats | None = None
+    arms: Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SupportMotion(StructureLoads):
     """Permanent loads, while a fixed piece moves: along a displacement, or about an axis.
 
@@ -102,9 +94,9 @@ class SupportMotion(StructureLoads):
     None for a displacement. The variable load is 0.
     """
 
-    support: int = 0
-    along: tuple[float, ...] = (0.0, 0.0, 0.0)
-    about: tuple[float, ...] | None = None
+    support: int
+    along: tuple[float, ...]
+    about: tuple[float, ...] | None
 
     def motion(self, centre: Floats) -> Floats:
         """How the support moves per m or rad, (6,), where its centroid is at ``centre`` (m)."""
@@ -170,8 +162,8 @@ def permanent_only(assembly: Assembly, beside: Permanent | None = None) -> Struc
     weight, scale = weight_of_free(assembly), free_weight(assembly)
     if beside is None:
         return StructureLoads(weight, np.zeros_like(weight), scale)
-    whole, scale = weight + beside.wrenches, scale + beside.size
-    return StructureLoads(whole, np.zeros_like(weight), scale, levers=beside.levers)
+    whole = weight + beside.wrenches
+    return StructureLoads(whole, np.zeros_like(weight), scale + beside.size, beside=beside)
 
 
 def support_moves(
@@ -218,7 +210,7 @@ def naming_permanent(loads: Loads) -> Iterator[None]:
     try:
         yield
     except CapacityError as error:
-        if getattr(loads, "levers", None) is None:
+        if getattr(loads, "beside", None) is None:
             raise
         raise type(error)(str(error).replace(OWN, ALL)) from None
 

@@ -123,8 +123,8 @@ def least_push(assembly: Assembly, loads: StructureLoads, tried: Sequence[Push])
     if not tried:
         return None
     best = min(tried, key=lambda push: push.acceleration)
+    mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
     for _ in range(STEPS):
-        mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
         normal = mass @ best.mechanism[:, :3] * np.array([1.0, 1.0, 0.0])
         push = _push(assembly, loads, normal / np.linalg.norm(normal))
         if push is None or push.acceleration > best.acceleration * (1.0 - NEARER):
@@ -143,5 +143,5 @@ def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None
     acceleration = max(state.load, 0.0) / free_weight(assembly)
     # Admissible forces are a cone: gravity and acceleration may be scaled together.
     cone = all(face.kind is Kind.DRY for face in assembly.faces) and not crushed_faces(assembly)
-    tilt = math.degrees(math.atan(acceleration)) if cone and loads.levers is None else None
+    tilt = math.degrees(math.atan(acceleration)) if cone and loads.beside is None else None
     return Push(acceleration, (x, y, z), state.mechanism, tilt)

@@ -50,7 +50,7 @@ def rotation_effect(
         arms = assembly.nodes.position - np.array([each.centre for each in assembly.pieces])[piece]
         turned = np.cross(here[piece, 3:], arms)
         np.add.at(moments, piece, np.cross(turned, sign * on_above))
-    if isinstance(loads, PointForce) and loads.arms is not None:
+    if isinstance(loads, PointForce):
         moments += np.cross(np.cross(here[:, 3:], loads.arms), load * loads.variable[:, :3])
     if isinstance(loads, StructureLoads):
         moments += loads.turned_moments(np.cross(here[:, None, 3:], np.eye(3)).swapaxes(1, 2))

@@ -25,7 +25,7 @@ from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static import INCREMENT, brittle_path
-from sidmacib.structure.loads import Permanent, Tilting, free_weight
+from sidmacib.structure.loads import Permanent, StructureLoads, free_weight
 from sidmacib.validation import refused, require_direction
 
 LARGEST = 180.0  # degrees
@@ -69,9 +69,7 @@ class Tilt:
     def of(cls, loads: Loads) -> "Tilt":
         """That of ``loads`` by `tilting`."""
         assert loads.axis is not None, "gravity turns"
-        if isinstance(loads, Tilting) and loads.beside is not None and loads.levers is not None:
-            return cls(loads.axis, Permanent(loads.beside, loads.levers))
-        return cls(loads.axis)
+        return cls(loads.axis, loads.beside if isinstance(loads, StructureLoads) else None)
 
     @property
     def level(self) -> bool:
@@ -109,22 +107,21 @@ class StaticTilt:
         return self.path[-1].load
 
 
-def turned(assembly: Assembly, tilt: Tilt, angle: float) -> Tilting:
+def turned(assembly: Assembly, tilt: Tilt, angle: float) -> StructureLoads:
     """The weight of all free pieces under gravity that has turned by ``angle`` (degrees).
 
     And permanent loads beside it.
     """
     weight = np.array([0.0 if piece.fixed else piece.weight for piece in assembly.pieces])
-    permanent, beside = np.zeros((len(weight), 6)), tilt.beside
+    permanent = np.zeros((len(weight), 6))
     permanent[:, :3] = weight[:, None] * tilt.gravity(angle)
-    found = Tilting(permanent, np.zeros_like(permanent), free_weight(assembly))
-    if beside is None:
-        return found
-    whole = permanent + beside.wrenches
-    return replace(found, permanent=whole, levers=beside.levers, beside=beside.wrenches)
+    if tilt.beside is not None:
+        permanent += tilt.beside.wrenches
+    none = np.zeros_like(permanent)
+    return StructureLoads(permanent, none, free_weight(assembly), beside=tilt.beside)
 
 
-def turning(assembly: Assembly, tilt: Tilt, angle: float) -> Tilting:
+def turning(assembly: Assembly, tilt: Tilt, angle: float) -> StructureLoads:
     """Gravity at ``angle`` (degrees); the variable load, per newton, is how it goes on to turn."""
     gravity = turned(assembly, replace(tilt, beside=None), angle).permanent
     on = turned(assembly, tilt, angle)
@@ -133,7 +130,7 @@ def turning(assembly: Assembly, tilt: Tilt, angle: float) -> Tilting:
     return replace(on, variable=change)
 
 
-def tilting(assembly: Assembly, tilt: Tilt) -> Tilting:
+def tilting(assembly: Assembly, tilt: Tilt) -> StructureLoads:
     """The weight of all free pieces under gravity that turns, as a load that is raised.
 
     In N: the angle in radians times the weight, see `load_of_tilt`.
@@ -157,11 +154,9 @@ def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
 
     Accurate to 1e-4 of the angle for the path with friction that the increments follow; these are
     halved until the first failure converges. `NoEquilibriumError` if the assembly does not stand
-    upright, `UnboundedError` if it is in equilibrium up to 180 degrees, `CapacityError` for elastic
-    pieces and for contact points in place of locks.
+    upright, `UnboundedError` if it is in equilibrium up to 180 degrees, `CapacityError` for contact
+    points in place of locks.
     """
-    if assembly.elastic:
-        raise CapacityError("tilt: pieces must be rigid; leave out their elastic material")
     if reason := assembly.without_stiffness:
         raise CapacityError(reason)
     solver = _Turning(assembly, tilt)
