@@ -9,12 +9,12 @@ import pytest
 import trimesh
 from command_runner import answers, run
 from scipy.spatial.transform import Rotation
-from structures import dry, moved
+from structures import dry, moved, read_structure
 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.meshes import blocks_from_mesh
-from sidmacib.structure.files.structure_file import read_structure, structure_of, with_bodies
+from sidmacib.structure.files.structure_file import structure_of, with_bodies
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch

@@ -10,13 +10,14 @@ import pytest
 import yaml
 from command_runner import run as command
 from conftest import ROOT
+from structures import read_structure
 
 from sidmacib import InfeasibleError, limit_load, static_peak
 from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.designed import design_of
 from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import designed, read_task, task_of
-from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import refined
 
 
@@ -224,7 +225,7 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
         (("cases", "push", "newtons"), -1, "design.cases.push.newtons: -1 is not allowed"),
         (("cases", "push", "over_weight"), 1, "design.cases.push: must have either newtons or"),
         (("cases", "push", "tilt"), 1, "design.cases.push.tilt: unknown key"),
-        (("cases", "push", "force", "block"), "x", "design.cases.push.load.force.block: 'x' is"),
+        (("cases", "push", "force", "block"), "x", "design.cases.push.force.block: 'x' is"),
         (("locks", "width"), 0, "design.locks.width.1: 0 is not allowed"),
         (("locks", "width"), [], "design.locks.width: an empty list"),
         (("locks", "inner"), {"cohesion": 0}, "design.locks.cohesion: 0.0 is not allowed"),

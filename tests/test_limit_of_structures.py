@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 from command_runner import answers
-from structures import GROUND, LEANING, dry, on_ground
+from structures import GROUND, LEANING, dry, on_ground, read_structure
 
 from sidmacib import CapacityError, InfeasibleError, static_peak
 from sidmacib.mechanics import sliding
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.structure.blocks import box
-from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
 from studies.flat_vault.geometry import FILES

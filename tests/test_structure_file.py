@@ -9,12 +9,13 @@ import pytest
 import yaml
 from command_runner import answers, by_model, run
 from conftest import ROOT
+from structures import read_structure
 
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.forces import interface_forces
-from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from workflow.schema import with_changes
 

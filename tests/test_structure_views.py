@@ -13,6 +13,7 @@ from chromium import Opened, needs_browser, until
 from command_runner import run
 from conftest import ROOT
 from offline import leaving_in_html
+from structures import read_structure
 from test_supports import BEAM
 
 from sidmacib.answers.structure_limit import limit_state
@@ -22,7 +23,7 @@ from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.scene.picture import picture, view_axes
 from sidmacib.scene.sections import chains, total
 from sidmacib.scene.solids import shape_of, with_condensed_locks
-from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import owners_of
 
 ARCH = ROOT / "studies/arch/arch.yaml"

@@ -16,7 +16,7 @@ from sidmacib import InfeasibleError, greatest_reaction, least_reaction, support
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.structure.analysis.support_path import static_reactions
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.files.structure_file import demands_of, loads_of, structure_of
+from sidmacib.structure.files.structure_file import demands_of, structure_of
 from sidmacib.structure.loads import SupportMotion, free_weight, support_moves, support_turns
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
@@ -237,9 +237,3 @@ def test_a_faulty_support_is_named(support: dict[str, Any], fault: str) -> None:
     with pytest.raises(ValueError) as error:
         structure_of({**BEAM, "load": {"support": support}})
     assert str(error.value) == fault
-
-
-def test_studies_and_designs_refuse_a_support_that_moves() -> None:
-    assembly = structure_of(BEAM).assembly
-    with pytest.raises(ValueError, match=r"load\.support: is for multilock assembly and studies"):
-        loads_of(assembly, BEAM["load"])

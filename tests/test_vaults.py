@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 from command_runner import run
+from structures import read_structure
 
 from sidmacib import InfeasibleError, UnboundedError, limit_load, static_peak
 from sidmacib.design.blocking import order_of
@@ -16,7 +17,7 @@ from sidmacib.design.sizing import carried
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import free_weight
 from studies.designed_vault.all_layouts import GAP, compared
 from studies.designed_vault.geometry import FILE, Barrel, barrel, content, text

@@ -21,11 +21,11 @@ from sidmacib.answers.structure_limit import limit_state
 from sidmacib.design import Choice, Layout
 from sidmacib.design.blocking import Order, conflict, order_of
 from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of
-from sidmacib.design.file import Task, designed
-from sidmacib.design.model import DesignProblem
+from sidmacib.design.file import DesignSection, Task, designed, load_cases
+from sidmacib.design.model import DesignProblem, LoadCase
 from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
@@ -55,9 +55,8 @@ class Check:
 
     def passes(self, factor: float) -> bool:
         """Whether it does not speak against the design."""
-        if self.factor is None:
-            return not self.decides
-        return not self.decides or self.factor >= factor * (1.0 - CLOSE)
+        enough = self.factor is not None and self.factor >= factor * (1.0 - CLOSE)
+        return enough or not self.decides
 
 
 def checks_of(
@@ -69,37 +68,33 @@ def checks_of(
         for each in carried(task.structure, choice)
     ]
     assembly = assembly_of(designed(task, choice), folder=task.folder)
-    for case in task.cases:
+    for case in load_cases(assembly, task.asked, task.description):
         note(f"checking {case.name} on {len(assembly.pieces)} pieces")
-        load = case.amount(assembly)
-        of_case = _of_case(assembly, case.loads(assembly), load, task)
         found += [
-            Check(case.name, model, value and value / load, words, decides)
-            for model, value, words, decides in of_case
+            Check(case.name, model, value and value / case.load, words, decides)
+            for model, value, words, decides in _of_case(assembly, case, task.asked)
         ]
     return tuple(found)
 
 
 def _of_case(
-    assembly: Assembly, loads: Loads, amount: float, task: Task
+    assembly: Assembly, case: LoadCase, asked: DesignSection
 ) -> Iterator[tuple[str, float | None, str, bool]]:
-    """Model, load (N), note, whether it decides; ``amount``: of the case (N)."""
-    words = "locks modelled as solids; ductile bonds"
+    """Model, load (N), note, whether it decides."""
+    loads, words = case.loads, "locks modelled as solids; ductile bonds"
     yield LIMIT, *_answer(lambda: limit_state(assembly, loads).load, words), True
-    if task.asked.no_dilation:
+    if asked.no_dilation:
         # Its rounds need not settle: without an answer it counts neither way.
         load, words = _answer(
             lambda: sliding_limit(assembly, loads).state.load, "non-dilatant sliding"
         )
         yield SLIDING, load, words, load is not None
     try:
-        yield from _static(
-            Problem(assembly, loads), task.asked.first_failure, amount * task.asked.factor
-        )
+        yield from _static(Problem(assembly, loads), asked.first_failure, case.load * asked.factor)
     except CapacityError as error:
         unlimited = math.inf if isinstance(error, UnboundedError) else None
-        yield FIRST, unlimited, _line(error), task.asked.first_failure
-        yield PEAK, unlimited, _line(error), not task.asked.first_failure
+        yield FIRST, unlimited, _line(error), asked.first_failure
+        yield PEAK, unlimited, _line(error), not asked.first_failure
 
 
 def _static(

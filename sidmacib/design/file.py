@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, StrictBool, model_validator
 from sidmacib.contact_points import OPTIONS
 from sidmacib.design import Layout, LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import DesignProblem, LoadCase, Site
-from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
+from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Length, Number, shown
 from sidmacib.reading import Keys, Label, Some, Way
@@ -29,7 +29,7 @@ from sidmacib.structure.files.sections import (
     StructureFile,
 )
 from sidmacib.structure.files.selection import two_blocks
-from sidmacib.structure.files.structure_file import assembly_of, description_in, loads_of
+from sidmacib.structure.files.structure_file import assembly_of, description_in, permanent_of
 from sidmacib.validation import refused
 
 DIGITS = 9  # of lengths (m) in the file that is written
@@ -143,15 +143,11 @@ class DesignFile(StructureFile):
 
 @dataclass(frozen=True)
 class CaseText:
-    """A load case as the file has it: the key ``load`` in plain values, and its section.
-
-    ``description``: with the permanent loads of all cases.
-    """
+    """A load case as the file has it: the key ``load`` in plain values, and its section."""
 
     name: str
     load: Mapping[str, Any]
     section: CaseSection
-    description: Mapping[str, Any]
 
     @property
     def line(self) -> str:
@@ -161,28 +157,13 @@ class CaseText:
         flow = yaml.safe_dump(values, default_flow_style=True, width=1000)
         return flow.strip().removeprefix("{").removesuffix("}")
 
-    def of(self, assembly: Assembly) -> LoadCase:
-        """The case on an ``assembly``, whose locks may be cut out; ValueError."""
-        return LoadCase(self.name, self.loads(assembly), self.amount(assembly))
-
-    def loads(self, assembly: Assembly) -> Loads:
-        """ValueError that names the case."""
-        try:
-            return loads_of(assembly, self.load, self.description)
-        except ValueError as error:
-            raise ValueError(f"design.cases.{self.name}.{error}") from None
-
-    def amount(self, assembly: Assembly) -> float:
-        """What is to be carried, in N."""
-        return self.section.amount(assembly) or 0.0
-
 
 @dataclass(frozen=True, eq=False)
 class Task:
     """What a file asks to be designed.
 
     ``description``: the structure without locks, as in a file; ``folder``: that its paths start
-    from. ``asked``: how the cases are to be carried.
+    from. ``asked``: how the ``cases`` are to be carried.
     """
 
     description: Mapping[str, Any]
@@ -193,7 +174,7 @@ class Task:
 
 
 def read_task(path: Path) -> Task:
-    """What the file ``path``, in YAML or of COMPAS, asks; errors of `read_structure`."""
+    """What the file ``path``, in YAML or of COMPAS, asks; errors of `task_of`."""
     return task_of(description_in(path), path.parent)
 
 
@@ -209,24 +190,39 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
             raise ValueError("compressive_strength: is for multilock assembly, not for designs")
     design = given.design
     plain = {key: value for key, value in description.items() if key != "design"}
+    texts = description["design"]["cases"].values()
     cases = tuple(
-        CaseText(
-            name, {k: v for k, v in text.items() if k in ("acceleration", "force")}, section, plain
-        )
-        for text, (name, section) in zip(
-            description["design"]["cases"].values(), design.cases.items(), strict=True
-        )
+        CaseText(name, {k: v for k, v in text.items() if k in ("acceleration", "force")}, section)
+        for text, (name, section) in zip(texts, design.cases.items(), strict=True)
     )
     plain.setdefault("load", cases[0].load)
     assembly = assembly_of(given, folder)
     structure = DesignProblem(
         assembly,
         _sites(assembly, design),
-        tuple(case.of(assembly) for case in cases),
+        load_cases(assembly, design, plain),
         design.weights.weights(),
         option=OPTIONS[design.option],
     )
     return Task(plain, folder, structure, cases, design)
+
+
+def load_cases(
+    assembly: Assembly, design: DesignSection, description: Mapping[str, Any]
+) -> tuple[LoadCase, ...]:
+    """The cases of a ``design`` on an ``assembly``, whose locks may be cut out.
+
+    ``description``: of the structure, with its permanent loads. ValueError that names the case.
+    """
+    beside = permanent_of(assembly, description)
+    return tuple(
+        LoadCase(
+            name,
+            case.on(assembly, beside, f"design.cases.{name}"),
+            case.amount(assembly) or 0.0,
+        )
+        for name, case in design.cases.items()
+    )
 
 
 def _sites(assembly: Assembly, design: DesignSection) -> tuple[Site, ...]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -171,9 +172,7 @@ class EarthSection(_OnSides):
 def _below(sides: Sides, level: float) -> Sides:
     """The part of ``sides`` below a ``level`` (m)."""
     low, high = sides.bounds.get(2, (-np.inf, level))
-    return Sides(
-        sides.blocks, sides.side, sides.within, {**sides.bounds, 2: (low, min(high, level))}
-    )
+    return replace(sides, bounds={**sides.bounds, 2: (low, min(high, level))})
 
 
 class PermanentSection(Keys):
@@ -262,6 +261,20 @@ class _Pushed(Keys):
     force: ForceSection | None = None
     """a force on one block"""
 
+    def on(self, assembly: Assembly, beside: Permanent | None, key: str = "load") -> Loads:
+        """Weight of ``assembly``, permanent loads ``beside`` it, and this load.
+
+        ValueError that names the ``key`` that it stands at.
+        """
+        if self.acceleration:
+            return acceleration(assembly, self.acceleration, beside)
+        assert self.force
+        force = self.force
+        try:
+            return force_at(assembly, force.block, force.at, force.direction, beside)
+        except ValueError as error:
+            raise ValueError(f"{key}.force.{error}") from None
+
 
 class _Raised(_Pushed):
     tilt: TiltSection | None = None
@@ -303,26 +316,19 @@ class LoadSection(_Amount, _Raised):
             )
         return self
 
-    def on(self, assembly: Assembly, beside: Permanent | None = None) -> Loads:
-        """Weight of ``assembly``, other permanent loads, and this one.
-
-        ValueError that names the key.
-        """
+    def on(self, assembly: Assembly, beside: Permanent | None, key: str = "load") -> Loads:
+        """As of a load case; or gravity turns, or a support moves."""
         if self.tilt:
             return tilting(assembly, Tilt(self.tilt.axis, beside))
-        if self.acceleration:
-            return acceleration(assembly, self.acceleration, beside)
-        moves, key = self.support, "support" if self.support else "force"
+        if not (moves := self.support):
+            return super().on(assembly, beside, key)
         try:
-            if moves and moves.displacement:
+            if moves.displacement:
                 return support_moves(assembly, moves.block, moves.displacement, beside)
-            if moves and moves.rotation:
-                return support_turns(assembly, moves.block, moves.rotation, moves.about, beside)
-            assert self.force
-            force = self.force
-            return force_at(assembly, force.block, force.at, force.direction, beside)
+            assert moves.rotation
+            return support_turns(assembly, moves.block, moves.rotation, moves.about, beside)
         except ValueError as error:
-            raise ValueError(f"load.{key}.{error}") from None
+            raise ValueError(f"{key}.support.{error}") from None
 
 
 class CaseSection(_Amount, _Pushed):
@@ -341,11 +347,6 @@ class LoadCaseSection(CaseSection):
 
     permanent: tuple[PermanentSection, ...] = ()
     """as under `permanent` of the file"""
-
-    def load(self) -> LoadSection:
-        """The load that is raised."""
-        given = {key: getattr(self, key) for key in self.model_fields_set - {"permanent"}}
-        return LoadSection(**given)
 
 
 def load_warnings(

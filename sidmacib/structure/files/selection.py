@@ -17,9 +17,7 @@ from sidmacib.quantities import Number, shown
 from sidmacib.reading import Keys, Way
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.interfaces import Interface, interfaces
-
-Pair = frozenset[str]  # names of two blocks
-
+from sidmacib.structure.structure import Pair
 
 _Angle = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
 

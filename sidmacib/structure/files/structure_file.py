@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import NAME
@@ -21,23 +21,14 @@ from sidmacib.structure.files.sections import (
     SpecialSection,
     StructureFile,
 )
-from sidmacib.structure.files.selection import Pair, Selection
+from sidmacib.structure.files.selection import Selection
 from sidmacib.structure.interfaces import NEAR, Interface, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
-from sidmacib.structure.structure import rows_of, structure
+from sidmacib.structure.structure import Pair, rows_of, structure
 from sidmacib.yaml_text import read_yaml
 
 OF_BLOCKS = ".json", *SUFFIXES  # endings of files that have blocks
-
-
-def read_structure(path: Path, more: Mapping[str, Any] | None = None) -> Problem:
-    """The structure and its load or tilt in a YAML file, or in one of COMPAS, Rhino, or meshes.
-
-    ``more``: as in `description_in`. `sidmacib.yaml_text.TextError`, or ValueError that names the
-    key, if it is not one.
-    """
-    return structure_of(description_in(path, more), path.parent)
 
 
 def description_in(
@@ -50,6 +41,7 @@ def description_in(
     By default such blocks are pushed along x. ``more``: keys that are added to those of the file,
     and `blocks` with keys for the blocks of a file that is no YAML. ``left_out``: is told the name
     of a YAML beside the file that has blocks itself, and so adds nothing; else that is an error.
+    `sidmacib.yaml_text.TextError` for what is no YAML.
     """
     more = dict(more or {})
     of_blocks = more.pop("blocks", {})
@@ -127,10 +119,7 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
         key = f"load_cases.{name}"
         own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent")
         beside = always + own if always and own else always or own
-        try:
-            loads = case.load().on(assembly, beside)
-        except ValueError as error:
-            raise ValueError(f"{key}.{str(error).removeprefix('load.')}") from None
+        loads = case.on(assembly, beside, key)
         found.append(Demand(Problem(assembly, loads), case.amount(assembly), name))
     return tuple(found)
 
@@ -210,19 +199,6 @@ def _of_files(
             if entry[each.below] != entry[each.above] or entry[each.below] not in brings:
                 found.append(each)
     return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
-
-
-def loads_of(assembly: Assembly, value: Any, description: Mapping[str, Any] | None = None) -> Loads:
-    """The permanent loads of a ``description``, and the load that a key ``load`` gives.
-
-    For any model. ``value``: of that key. ValueError, for a support that moves too.
-    """
-    given = LoadSection.read(value, "load")
-    if given.support:
-        raise ValueError(
-            "load.support: is for multilock assembly and studies only; use another load here"
-        )
-    return given.on(assembly, permanent_of(assembly, description or {}))
 
 
 def permanent_of(assembly: Assembly, description: Mapping[str, Any]) -> Permanent | None:
