@@ -91,7 +91,7 @@ def test_a_search_ends_with_the_cheapest_of_all_layouts(pushed_both_ways: Design
     found = search.cheapest(gap=1e-4)
     assert tried > 30
     assert found.cost == best < np.inf
-    assert found.gap <= 1e-4
+    assert found.cost - found.bound <= 1e-4 * found.cost
     mixed = search.cheapest(whole=False, gap=1e-4)
     assert search.relaxed.cost <= mixed.cost * (1 + 1e-6)
     assert mixed.bound <= found.cost * (1 + 1e-6)
@@ -142,7 +142,6 @@ def test_what_locks_need_is_within_their_strength_and_balances_the_push() -> Non
     held = LOAD - FRICTION * free_weight(blocks)
     assert abs(found.across[0]) == pytest.approx(held, rel=1e-5)  # friction does what it can
     assert abs(found.across[0]) <= choice[0].strength
-    assert found.torque[0] == pytest.approx(0.0, abs=1e-3)
 
 
 def test_more_than_all_locks_carry_is_refused_with_the_largest_factor() -> None:

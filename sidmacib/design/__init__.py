@@ -9,18 +9,18 @@ are pushed. What slides across them shears off the roots of the locks that work.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from sidmacib.contact_points import ContactOption
 from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Vector
 from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.blocks import vectors
 from sidmacib.structure.interfaces import Interface
-from sidmacib.structure.locks import Condensed, Locks, Row, condensed_points
-from sidmacib.validation import require_not_negative, require_positive
+from sidmacib.structure.locks import Locks, Row, condensed_points
+from sidmacib.validation import require_positive
 
-_CENTRE = Condensed(option=ContactOption((0.0,), (1.0,)))  # one point has the area of a lock
+_CENTRE = ContactOption((0.0,), (1.0,))  # one point has the area of a lock
 LEVEL = 1e-6  # length of a level direction below which an interface is level
 
 
@@ -29,7 +29,7 @@ class LockKind:
     """The locks that a design is made of.
 
     ``widths`` (m) that a lock may have, ``height`` in m, and the materials of `Locks`. ValueError
-    for a number out of its range.
+    for roots without cohesion.
     """
 
     widths: tuple[float, ...]
@@ -38,17 +38,14 @@ class LockKind:
     dry: FaceMaterial
 
     def __post_init__(self) -> None:
-        require_positive(height=self.height, **{f"width {w!r}": w for w in self.widths})
         require_positive(cohesion=self.inner.cohesion)
-        if not self.widths:
-            raise ValueError("widths: must have one or more numbers")
 
 
 @dataclass(frozen=True)
 class Weights:
     """Cost of each lock that works, of each m2 of its root and m3 of it, whose sum is to be small.
 
-    ValueError for a number below 0, or if all are 0.
+    ValueError if all are 0.
     """
 
     number: float = 1.0
@@ -56,7 +53,6 @@ class Weights:
     volume: float = 0.0
 
     def __post_init__(self) -> None:
-        require_not_negative(number=self.number, area=self.area, volume=self.volume)
         if not (self.number or self.area or self.volume):
             raise ValueError("weights: one must be more than 0")
 
@@ -86,7 +82,7 @@ class Layout:
         """Volume of the locks that work, in m3."""
         return self.area * self.kind.height
 
-    @cached_property
+    @property
     def width(self) -> float:
         """Width of a lock that works, in m."""
         return self.widths[1]
@@ -99,18 +95,6 @@ class Layout:
             weights.volume * self.volume,
         )
         return math.fsum(parts)
-
-    def locks(self, below: str) -> Locks:
-        """The row for `structure`, of an interface whose lower block is called ``below``."""
-        return Locks(
-            len(self.widths),
-            self.kind.height,
-            run=self.run,
-            first=below,
-            widths=self.widths,
-            inner=self.kind.inner,
-            dry=self.kind.dry,
-        )
 
 
 Choice = Sequence[Layout | None]  # for each site
@@ -143,7 +127,7 @@ def directions_of(
     for one in given:
         if all(abs(one @ other) < 1.0 - CLOSE for other in found):
             found.append(one)
-    return tuple((float(x), float(y), float(z)) for x, y, z in np.round(found, 12) + 0.0)
+    return vectors(np.reshape(np.round(found, 12) + 0.0, (-1, 3)))
 
 
 def layouts_of(

@@ -29,6 +29,9 @@ CLEAR = 1e-7  # cosine that counts as a way into a block
 # Where a wall is looked for: how far beyond the interface and how deep, both over the depth of the
 # groove, and along an edge. Wedges that begin at the edge, as of voussoirs, are not seen.
 BEYOND, DEEP, ALONG = 0.1, 0.02, np.linspace(0.01, 0.99, 15)
+# Motions that locks bar, by face: across them, (3,), either way, and into walls: directions into
+# which the block above must move by 0 or more, as seen from the block below, (K, 3).
+_Rows = dict[int, tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True)
@@ -97,32 +100,17 @@ def _touching(assembly: Assembly) -> dict[int, list[tuple[int, int, Floats]]]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """Motions that locks bar, by face: ``across`` them, (3,), either way.
-
-    ``walls``: directions, (K, 3), into which the block above must move by 0 or more, as seen from
-    the block below.
-    """
-
-    across: dict[int, Floats]
-    walls: dict[int, Floats]
-
-
 def _rows(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> _Rows:
-    chosen = [
-        (site.face, layout)
-        for site, layout in zip(sites, choice, strict=True)
-        if layout is not None
-    ]
-    return _Rows(
-        {k: np.cross(assembly.faces[k].axes[0], layout.run) for k, layout in chosen},
-        {k: _walls(assembly, k, layout.kind.height / 2.0) for k, layout in chosen},
-    )
+    rows = {}
+    for site, layout in zip(sites, choice, strict=True):
+        if layout is not None:
+            across = np.cross(assembly.faces[site.face].axes[0], layout.run)
+            rows[site.face] = across, _walls(assembly, site.face, layout.kind.height / 2.0)
+    return rows
 
 
 def _walls(assembly: Assembly, number: int, depth: float) -> Floats:
-    """`_Rows.walls` of the grooves of a ``depth`` (m) on either side of a face.
+    """The walls at the grooves of a ``depth`` (m) on either side of a face, see `_Rows`.
 
     A groove ends at the outline of the face. It is closed where its block goes on behind that; a
     wedge that begins there is taken to be cut away.
@@ -162,11 +150,13 @@ def _way_out(
 ) -> Vector | None:
     """A unit vector along which a block can leave those that are here; None if it is blocked."""
     faces = [each for each in touching.get(block, []) if each[1] in here]
-    locked = [number for number, _, _ in faces if number in rows.across]
+    locked = [number for number, _, _ in faces if number in rows]
     away = np.array([each[2] for each in faces]).reshape(-1, 3)
-    along = np.array([rows.across[number] for number in locked]).reshape(-1, 3)
-    sides = [1.0 if assembly.faces[number].above == block else -1.0 for number in locked]
-    walls = [side * rows.walls[number] for side, number in zip(sides, locked, strict=True)]
+    along = np.array([rows[number][0] for number in locked]).reshape(-1, 3)
+    walls = [
+        rows[number][1] * (1.0 if assembly.faces[number].above == block else -1.0)
+        for number in locked
+    ]
     open_to = np.concatenate([away, *walls])
     flat = open_to - (open_to @ np.linalg.pinv(along)) @ along if len(along) else open_to
     ways = np.array([*_ways(np.concatenate([open_to, along])), *_units(flat)])

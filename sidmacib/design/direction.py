@@ -10,7 +10,7 @@ friction cones as they are, and what is found is checked with them.
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cvxpy as cp
 import numpy as np
@@ -18,13 +18,12 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array, eye_array, hstack
 
 from sidmacib.design import Layout
-from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
+from sidmacib.design.model import DesignProblem, LoadCase, case_forces
 from sidmacib.design.sizing import ENOUGH, WHAT, Mechanism, least_cost, work_of
 from sidmacib.errors import InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.optimisation import silent, solve
-from sidmacib.validation import require_positive
 
 GAP = 0.01  # of the cost, over the cost
 TIME_LIMIT = 600.0  # s of a processor
@@ -41,19 +40,12 @@ class FoundRows:
     """The cheapest rows found, or mixtures of rows that have one direction.
 
     ``parts``: of each of `DesignProblem.layouts`; ``cost``: theirs; ``bound``: no choice without
-    what is barred costs less. ``mechanisms``, ``rounds`` of whole-number programmes: how many.
+    what is barred costs less.
     """
 
     parts: Floats
     cost: float
     bound: float
-    mechanisms: int
-    rounds: int
-
-    @property
-    def gap(self) -> float:
-        """Largest possible saving over the cost; 0 without locks."""
-        return max(1.0 - self.bound / self.cost, 0.0) if self.cost > 0.0 else 0.0
 
 
 class RowSearch:
@@ -64,7 +56,7 @@ class RowSearch:
 
     def __init__(self, structure: DesignProblem, factor: float) -> None:
         """Errors of `least_cost`."""
-        self.structure = structure
+        self.structure, self.factor = structure, factor
         self.relaxed = least_cost(structure, factor)
         self.strengths = csr_array(structure.strengths / structure.unit)
         largest = np.asarray(self.strengths.max(axis=1).todense()).ravel()
@@ -87,7 +79,6 @@ class RowSearch:
         found are given with the bound reached. `InfeasibleError` if no rows do; `SolverError` if
         none are found in time.
         """
-        require_positive(gap=gap, time_limit=time_limit)
         end = time.process_time() + time_limit
         best = self._dive(whole, barred, end)
         cost = np.inf if best is None else float(self.structure.costs @ best)
@@ -107,7 +98,7 @@ class RowSearch:
             note(f"round {rounds}: {count} mechanisms, cost {cost:.6g}, at least {bound:.6g}")
         if best is None:
             raise SolverError(f"{WHAT}: no rows of locks found in {time_limit:g} s")
-        return FoundRows(best, cost, min(bound, cost), len(self.mechanisms), rounds)
+        return FoundRows(best, cost, min(bound, cost))
 
     def carries(self, parts: Floats) -> bool:
         """Whether rows, of which there are these parts, carry all cases."""
@@ -129,8 +120,8 @@ class RowSearch:
         layouts, rows = len(structure.layouts), len(structure.rows)
         cost = structure.costs / structure.costs.max()
         of_row = csr_array(structure.strengths > 0.0, dtype=float)
-        sites = np.array([site for site, _ in structure.rows])
-        once = csr_array((np.ones(rows), (sites, np.arange(rows))), (len(structure.sites), rows))
+        ends = structure.site_of_row, np.arange(rows)
+        once = csr_array((np.ones(rows), ends), (len(structure.sites), rows))
         none = csr_array((len(structure.sites), layouts))
         mixture = float(self.relaxed.cost / structure.costs.max()) * (1.0 - SHORT)
         constraints = [
@@ -179,12 +170,11 @@ class RowSearch:
 
     def _dive(self, whole: bool, barred: Sequence[Directions], end: float) -> Floats | None:
         """Rows that carry all cases, from mixed ones whose directions are settled step by step."""
-        structure, factor = self.structure, self.lacks[0].factor
+        structure = self.structure
         allowed, parts = np.ones(len(structure.layouts), bool), self.relaxed.parts
-        sites = np.array([site for site, _ in structure.rows])
+        sites = structure.site_of_row
         while True:
-            sums = np.zeros(len(structure.rows))
-            np.add.at(sums, structure.row_of, parts * structure.costs)
+            sums = np.bincount(structure.row_of, parts * structure.costs)
             best = along(structure, parts * structure.costs)
             used = np.bincount(sites, sums, minlength=len(structure.sites))
             main = np.zeros(len(structure.sites))
@@ -197,7 +187,7 @@ class RowSearch:
             settled = order[: max(1, len(order) // 3)]
             trial = allowed & (best | ~np.isin(structure.site_of, settled))
             try:
-                parts = least_cost(structure, factor, trial).parts
+                parts = least_cost(structure, self.factor, trial).parts
             except InfeasibleError:
                 return None
             allowed = trial
@@ -210,7 +200,7 @@ class RowSearch:
         wish = 1e-3 * self.relaxed.parts + parts
         allowed = along(structure, wish)
         try:
-            settled = least_cost(structure, self.lacks[0].factor, allowed)
+            settled = least_cost(structure, self.factor, allowed)
         except InfeasibleError:
             return None
         self.mechanisms += settled.mechanisms
@@ -245,28 +235,18 @@ class RowSearch:
         return taken
 
 
-@dataclass(eq=False)
 class _Lack:
-    """Strength that locks lack for a case: one programme for many strengths.
+    """Strength that locks lack for a case: one programme for many strengths."""
 
-    ``largest``: strength along each of `DesignProblem.rows` in units, of which a part is lacking.
-    """
-
-    structure: DesignProblem
-    case: LoadCase
-    factor: float
-    largest: Floats
-    _strength: cp.Parameter = field(init=False)
-    _short: cp.Variable = field(init=False)
-    _forces: CaseForces = field(init=False)
-    _problem: cp.Problem = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._strength, self._short = cp.Parameter(len(self.largest)), cp.Variable(nonneg=True)
-        strength = self._strength + self._short * self.largest
-        forces = case_forces(self.structure, self.case, self.factor, strength)
-        self._forces = forces
-        self._problem = cp.Problem(cp.Minimize(self._short), forces.constraints)
+    def __init__(
+        self, structure: DesignProblem, case: LoadCase, factor: float, largest: Floats
+    ) -> None:
+        """``largest``: strengths along `DesignProblem.rows` in units; a part of them is lacking."""
+        self.structure = structure
+        self._strength, self._short = cp.Parameter(len(largest)), cp.Variable(nonneg=True)
+        strength = self._strength + self._short * largest
+        self._forces = case_forces(structure, case, factor, strength)
+        self._problem = cp.Problem(cp.Minimize(self._short), self._forces.constraints)
 
     def of(self, strength: Floats) -> tuple[float, Floats]:
         """Strength that is lacking, and how much less for a unit more along each of the rows."""
@@ -277,14 +257,12 @@ class _Lack:
 
 def along(structure: DesignProblem, wish: Floats) -> Flags:
     """Whether each layout has the direction of its site for which there is the largest ``wish``."""
-    sums = np.zeros(len(structure.rows))
-    row = structure.row_of
-    np.add.at(sums, row, wish)
+    sums = np.bincount(structure.row_of, wish)
     best: dict[int, int] = {}
     for number, (site, _) in enumerate(structure.rows):
         if site not in best or sums[number] > sums[best[site]]:
             best[site] = number
-    return np.isin(row, list(best.values()))
+    return np.isin(structure.row_of, list(best.values()))
 
 
 def rounded_up(structure: DesignProblem, parts: Floats) -> Floats:
@@ -295,26 +273,21 @@ def rounded_up(structure: DesignProblem, parts: Floats) -> Floats:
     """
     taken = np.zeros(len(parts))
     strengths = np.array([layout.strength for layout in structure.layouts])
-    needed = np.zeros(len(structure.rows))
-    np.add.at(needed, structure.row_of, parts * strengths)
-    here = along(structure, (parts * strengths))
-    for number in set(structure.row_of[here].tolist()):
+    needed = np.bincount(structure.row_of, parts * strengths)
+    here = along(structure, parts * strengths)
+    for number in np.unique(structure.row_of[here]):
         rows = np.flatnonzero(structure.row_of == number)
         if needed[number] > SHORT * strengths[rows].max():
-            enough = rows[strengths[rows] >= needed[number] * (1.0 - SHORT)]
-            if len(enough):
-                taken[enough[np.argmin(structure.costs[enough])]] = 1.0
-            else:
-                taken[rows[np.argmax(strengths[rows])]] = 1.0
+            least = min(needed[number] * (1.0 - SHORT), strengths[rows].max())
+            enough = rows[strengths[rows] >= least]
+            taken[enough[np.argmin(structure.costs[enough])]] = 1.0
     return taken
 
 
 def choice_of(structure: DesignProblem, taken: Floats) -> tuple[Layout | None, ...]:
     """The row of each site, None without one, of whole ones: ``taken`` is 1 for each."""
-    choice: list[Layout | None] = [None] * len(structure.sites)
-    for number in np.flatnonzero(taken).tolist():
-        choice[int(structure.site_of[number])] = structure.layouts[number]
-    return tuple(choice)
+    row = {int(structure.site_of[k]): structure.layouts[k] for k in np.flatnonzero(taken)}
+    return tuple(row.get(site) for site in range(len(structure.sites)))
 
 
 def _less(structure: DesignProblem, taken: Floats, site: int) -> Floats | None:

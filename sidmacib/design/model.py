@@ -23,7 +23,6 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads,
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
-from sidmacib.validation import require_not_negative
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +32,6 @@ class LoadCase:
     name: str
     loads: Loads
     load: float
-
-    def __post_init__(self) -> None:
-        require_not_negative(**{f"{self.name}: load": self.load})
-        self.loads.require_proportional()
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +85,11 @@ class DesignProblem:
         )
 
     @cached_property
+    def site_of_row(self) -> Integers:
+        """Index of the site of each of `rows`."""
+        return np.array([site for site, _ in self.rows])
+
+    @cached_property
     def row_of(self) -> Integers:
         """Index in `rows` of each of `layouts`."""
         place = {row: number for number, row in enumerate(self.rows)}
@@ -134,19 +134,12 @@ class DesignProblem:
         return self._scaled(equilibrium_matrix(self.assembly))
 
     @cached_property
-    def locked(self) -> Assembly:
-        """The assembly with a face of contact points for each of `rows`, and no others."""
-        faces = tuple(self._lock_faces())
-        return replace(
-            self.assembly,
-            faces=faces,
-            nodes=polygon_nodes(faces, self.assembly.mesh, NodeLayout.VERTICES),
-        )
-
-    @cached_property
     def at_locks(self) -> csr_array:
         """Equilibrium of forces across locks in units, a column for each contact point."""
-        return self._scaled(equilibrium_matrix(self.locked))[:, 2::3]
+        faces = tuple(self._lock_faces())
+        nodes = polygon_nodes(faces, self.assembly.mesh, NodeLayout.VERTICES)
+        locked = replace(self.assembly, faces=faces, nodes=nodes)
+        return self._scaled(equilibrium_matrix(locked))[:, 2::3]
 
     @cached_property
     def portions(self) -> csr_array:
@@ -169,11 +162,11 @@ class DesignProblem:
         return csr_array(diags_array(self.unit / self.row_scale) @ matrix[self.free])
 
     def _lock_faces(self) -> Iterator[CondensedLocks]:
+        """A face of contact points for each of `rows`."""
         for number, direction in self.rows:
             site = self.sites[number]
             face = self.assembly.faces[site.face]
-            if not isinstance(face, Polygon):
-                raise ValueError(f"{face.name}: must be a polygon")
+            assert isinstance(face, Polygon)
             layouts = [each for each in site.layouts if each.direction == direction]
             run = np.array(layouts[0].run)
             across = np.cross(face.axes[0], run)

@@ -63,13 +63,12 @@ class Carried:
 class Needed:
     """Forces of locks in a case: of all that carry it, those with the least sum of squares.
 
-    ``across``: forces across the locks of each site in N, (sites,), and ``torque`` of these about
-    the middle of its interface in N m. The squares are of forces over strengths.
+    ``across``: forces across the locks of each site in N, (sites,). The squares are of forces over
+    strengths.
     """
 
     case: str
     across: Floats
-    torque: Floats
 
 
 def least_cost(structure: DesignProblem, factor: float, allowed: Flags | None = None) -> Bound:
@@ -129,8 +128,8 @@ def _carried(structure: DesignProblem, choice: Choice, case: LoadCase) -> Carrie
     if not np.isfinite(largest):
         return Carried(case.name, largest, np.zeros(count))
     slopes = work_of(structure, forces) / structure.unit
-    sites = np.array([site for site, _ in structure.rows])
-    by_strength = np.bincount(sites, np.where(strength > 0.0, slopes, 0.0), minlength=count)
+    slopes = np.where(strength > 0.0, slopes, 0.0)
+    by_strength = np.bincount(structure.site_of_row, slopes, minlength=count)
     return Carried(case.name, largest, by_strength.astype(float))
 
 
@@ -150,12 +149,8 @@ def _needed(structure: DesignProblem, choice: Choice, factor: float, case: LoadC
     shares = cp.multiply(1.0 / np.where(used, strength[row], 1.0)[used], forces.locks[used])
     solve(cp.Problem(cp.Minimize(cp.sum_squares(shares)), forces.constraints), WHAT, ENOUGH)
     size = structure.unit * np.where(used, np.asarray(forces.locks.value), 0.0)
-    sites = np.array([site for site, _ in structure.rows])[row]
-    across, torque = (
-        np.bincount(sites, values, minlength=len(structure.sites)).astype(float)
-        for values in (size, _arms(structure) * size)
-    )
-    return Needed(case.name, across, torque)
+    across = np.bincount(structure.site_of_row[row], size, minlength=len(structure.sites))
+    return Needed(case.name, across.astype(float))
 
 
 def _strength(structure: DesignProblem, choice: Choice) -> Floats:
@@ -168,17 +163,6 @@ def work_of(structure: DesignProblem, forces: CaseForces) -> Floats:
     """Work of each of `DesignProblem.rows` in a mechanism, in units: multipliers of strengths."""
     duals = sum(np.asarray(limit.dual_value) for limit in forces.limits)
     return np.clip(np.asarray(structure.portions.T @ duals), 0.0, None)
-
-
-def _arms(structure: DesignProblem) -> Floats:
-    """Distance (m) of each contact point of locks from the middle of its interface, along them."""
-    nodes, faces = structure.locked.nodes, structure.locked.faces
-    return np.array(
-        [
-            (place - np.array(faces[face].middle)) @ faces[face].axes[1]
-            for place, face in zip(nodes.position, nodes.face, strict=True)
-        ]
-    )
 
 
 def _largest(factor: cp.Variable, constraints: list[cp.Constraint]) -> float:

@@ -16,11 +16,11 @@ import shapely
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.joint import DRY, FIXED_PLATE, INNER, HoldDown
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
-from sidmacib.rule import RULES
+from sidmacib.quantities import Count, Length
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.cutting import Plane, clipped, cut, require_convex, sides
 from sidmacib.structure.interfaces import Interface
-from sidmacib.validation import refused, require_direction, require_positive, require_whole
+from sidmacib.validation import refused, require_kinds
 
 SHORT = 1e-6  # over the size of an interface: rounding of widths that are to fill it
 ALL = math.inf  # as many locks as there are
@@ -41,8 +41,8 @@ class Locks:
     range.
     """
 
-    count: int
-    height: float
+    count: Count
+    height: Length
     row: Vector | None = None
     run: Vector | None = None
     first: str | None = None
@@ -52,21 +52,14 @@ class Locks:
     condensed: "Condensed | None" = None
 
     def __post_init__(self) -> None:
-        require_whole(1, count=self.count)
-        require_positive(height=self.height)
+        require_kinds(self)
         if (self.row is None) == (self.run is None):
             raise ValueError("row: must be given, or else run, and not both")
-        for name, along in (("row", self.row), ("run", self.run)):
-            if along is not None:
-                require_direction(**{name: along})
         if self.widths is not None and len(self.widths) != self.count:
             raise refused("widths", list(self.widths), f"one for each of the {self.count} locks")
         working = self.condensed.working if self.condensed else None
         if working not in (None, ALL) and working > self.count:
             raise refused("condensed.working", working, f"at most {self.count}")
-        require_positive(
-            **{f"width of lock {k}": width for k, width in enumerate(self.widths or (), start=1)}
-        )
 
 
 @dataclass(frozen=True)
@@ -78,7 +71,7 @@ class Condensed:
     forces, for a joint that is held down by ``hold_down``. By default `SAFE`, which stays lowest
     beside locks that are cut out: for 3 to 9 of them 0.85 to 1.04 of their first failure, where
     (n - 1) / 2 working locks are 0.98 to 1.06 and all of them 2.1 to 2.9.
-    ValueError unless some lock works, or if both ``working`` and ``rule`` are given.
+    ValueError if both ``working`` and ``rule`` are given.
     """
 
     working: float | None = None
@@ -87,10 +80,6 @@ class Condensed:
     hold_down: HoldDown = FIXED_PLATE
 
     def __post_init__(self) -> None:
-        if self.working not in (None, ALL):
-            require_positive(working=self.working)
-        if self.rule is not None and self.rule not in RULES:
-            raise refused("rule", self.rule, f"one of {', '.join(RULES)}")
         if self.rule is not None and self.working is not None:
             raise ValueError(
                 "working: must not be given beside rule, which says how many locks work"
@@ -123,21 +112,16 @@ class Row:
             key = "run" if locks.row is None else "row"
             raise refused(f"{name}: {key}", given.tolist(), "a direction not across the interface")
         flat /= np.linalg.norm(flat)
-        run, across = (
-            (flat, np.cross(normal, flat))
-            if locks.row is None
-            else (
-                np.cross(flat, normal),
-                flat,
-            )
-        )
+        if locks.row is None:
+            run, across = flat, np.cross(normal, flat)
+        else:
+            run, across = np.cross(flat, normal), flat
         along = shapely.get_coordinates(interface.outline) @ interface.axes[1:] @ across
         low, high = float(along.min()), float(along.max())
         widths = locks.widths or ((high - low) / locks.count,) * locks.count
         if abs(math.fsum(widths) - (high - low)) > SHORT * (high - low):
-            raise refused(
-                f"{name}: widths", list(widths), f"numbers that add up to {high - low:g} m"
-            )
+            allowed = f"numbers that add up to {high - low:g} m"
+            raise refused(f"{name}: widths", list(widths), allowed)
         edges = low + np.array([0.0, *accumulate(widths)])
         return cls(locks, interface, run, across, edges)
 
@@ -145,6 +129,12 @@ class Row:
     def middle(self) -> Floats:
         """Centroid of the interface, in m, (3,)."""
         return np.array(self.interface.middle)
+
+    @property
+    def outline(self) -> shapely.Polygon:
+        """The interface in coordinates (m) along ``run`` and ``across`` from its middle."""
+        flat = shapely.get_coordinates(self.interface.outline.exterior) @ self.interface.axes[1:]
+        return shapely.Polygon(flat @ np.array([self.run, self.across]).T)
 
     def strips(self, solid: Block) -> list[tuple[int, Block]]:
         """The parts of ``solid`` that lie in each lock, with the number of the lock, from 0."""
@@ -218,15 +208,12 @@ def cut_rows(
     return left, found
 
 
-def condensed_points(row: Row, condensed: Condensed) -> tuple[Floats, Floats]:
+def condensed_points(row: Row, option: ContactOption) -> tuple[Floats, Floats]:
     """Places (m) of the contact points along run and row from the middle, (K, 2), and areas (m2).
 
     The area of a point is its share of its lock's, so that the cohesion times it is the strength.
     """
-    option = condensed.option
-    axes = np.array([row.run, row.across])
-    flat = shapely.get_coordinates(row.interface.outline.exterior) @ row.interface.axes[1:]
-    outline = shapely.Polygon(flat @ axes.T)
+    outline = row.outline
     low, _, high, _ = outline.bounds
     places, areas = [], []
     for start, end in zip(row.edges[:-1].tolist(), row.edges[1:].tolist(), strict=True):

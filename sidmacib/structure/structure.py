@@ -7,12 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 
 from sidmacib.mechanics.assembly import (
     Assembly,
     FaceMaterial,
-    Failure,
     Kind,
     NodeLayout,
 )
@@ -45,7 +43,6 @@ def structure(
     *,
     mesh: float = math.inf,
     nodes: NodeLayout | None = None,
-    failure: Failure = Failure.BRITTLE,
     near: float = NEAR,
     regions: Sequence[Interface] | None = None,
 ) -> Assembly:
@@ -89,7 +86,7 @@ def structure(
         nodes = NodeLayout.LOBATTO if bonded else NodeLayout.VERTICES
     of_faces = polygon_nodes(faces, mesh, nodes)
     length = float(np.mean(free))
-    return Assembly(parts.pieces, faces, of_faces, length, failure, mesh, nodes)
+    return Assembly(parts.pieces, faces, of_faces, length, mesh=mesh, layout=nodes)
 
 
 def _first_twice(names: Sequence[str]) -> str | None:
@@ -254,15 +251,12 @@ def _condensed(
     share = min(condensed.working or ALL, locks.count) / locks.count
     law = replace(locks.inner, cohesion=share * locks.inner.cohesion, friction=locks.dry.friction)
     axes = np.array([each.axes[0], row.run, row.across])
-    outline = shapely.Polygon(
-        shapely.get_coordinates(each.outline.exterior) @ each.axes[1:] @ axes[1:].T
-    )
-    ends, points = (each.below, each.above), condensed_points(row, condensed)
+    ends, points = (each.below, each.above), condensed_points(row, condensed.option)
     limits = None
     if condensed.rule is not None:
         limits = rule_limits(row, condensed.rule, condensed.hold_down, solids, name)
     return CondensedLocks(
-        name, Kind.LOCKED, law, *ends, axes, each.middle, outline, *points, limits
+        name, Kind.LOCKED, law, *ends, axes, each.middle, row.outline, *points, limits
     )
 
 
