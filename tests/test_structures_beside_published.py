@@ -6,7 +6,7 @@ import pytest
 import yaml
 from structures import BLOCK, GROUND, LEANING, degrees, dry, on_ground
 
-from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure

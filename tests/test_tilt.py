@@ -13,7 +13,7 @@ from structures import BLOCK, GROUND, LEANING, degrees, dry, moved, on_ground
 
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import FaceMaterial, Vector
-from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import (
     Motion,
     Tilt,

@@ -31,8 +31,7 @@ from sidmacib.mechanics.solution import Equilibrium, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
-from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.structure import refined
 

@@ -16,8 +16,7 @@ from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import interface_forces
-from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
-from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.loads import load_warnings

@@ -5,8 +5,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
-from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
-from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt
 from sidmacib.structure.loads import naming_permanent
 

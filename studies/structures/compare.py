@@ -18,7 +18,7 @@ from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import (
     LARGEST,
     Tilt,

@@ -19,7 +19,7 @@ from scipy.sparse import block_diag, csr_array, diags_array, hstack
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
-from sidmacib.structure.analysis.limit_tilt import SECTOR
+from sidmacib.structure.analysis.limit import SECTOR
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned
 from studies.structures.samples import HEAVY, Sample
 

@@ -11,7 +11,7 @@ from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Loads, Vector
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
-from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight

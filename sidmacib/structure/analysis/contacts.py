@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
 from sidmacib.errors import CapacityError, InfeasibleError
-from sidmacib.mechanics.assembly import Assembly, Face, Floats, Integers, Kind, Piece
+from sidmacib.mechanics.assembly import Assembly, Face, Floats, Integers, Kind
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.overlaps import Placed, candidates, overlap
@@ -150,8 +150,7 @@ class Joints:
     @classmethod
     def of(cls, assembly: Assembly) -> "Joints":
         """`CapacityError` that names an interface unless all are dry."""
-        near = SAME * assembly.length
-        return cls(assembly, tuple(_sides(assembly, _dry(each), near) for each in assembly.faces))
+        return cls(assembly, tuple(_sides(assembly, face) for face in assembly.faces))
 
     def contacts(self, placed: Placement) -> Contacts:
         """The contacts where the pieces are ``placed``; `InfeasibleError` if none is left."""
@@ -168,31 +167,22 @@ class Joints:
         return Contacts(*map(np.array, zip(*found, strict=True)))
 
 
-def _dry(face: Face) -> Polygon:
+def _sides(assembly: Assembly, face: Face) -> tuple[Side, Side]:
+    """The sides of the pieces below and above a ``face``; `CapacityError` unless it is dry."""
     if not isinstance(face, Polygon) or face.kind is not Kind.DRY:
         raise CapacityError(
             f"finite displacements: {face.name} is not dry; leave out cohesion, tensile strength "
             "and condensed locks"
         )
-    return face
+    turned = face.axes * np.array([[-1.0], [1.0], [1.0]])
+    return _side(assembly, face.below, face, face.axes), _side(assembly, face.above, face, turned)
 
 
-def _sides(assembly: Assembly, face: Polygon, near: float) -> tuple[Side, Side]:
-    below, above = (
-        _side(end, assembly.pieces[end], face, axes, near)
-        for end, axes in (
-            (face.below, face.axes),
-            (face.above, face.axes * np.array([[-1.0], [1.0], [1.0]])),
-        )
-    )
-    return below, above
-
-
-def _side(end: int, piece: Piece, face: Polygon, axes: Floats, near: float) -> Side:
-    """The whole side of a ``piece`` that an interface is part of; `axes`: outwards from it."""
-    outline = face.outline
-    parts = []
-    for corners in (corners for solid in solids_of(piece) for corners in solid.outlines):
+def _side(assembly: Assembly, piece: int, face: Polygon, axes: Floats) -> Side:
+    """The whole side of a ``piece`` that an interface is part of; ``axes``: outwards from it."""
+    near, outline, parts = SAME * assembly.length, face.outline, []
+    solids = solids_of(assembly.pieces[piece])
+    for corners in (corners for solid in solids for corners in solid.outlines):
         local = (corners - np.array(face.middle)) @ axes.T
         if np.abs(local[:, 0]).max() <= near:
             part = shapely.Polygon(local[:, 1:])
@@ -203,7 +193,7 @@ def _side(end: int, piece: Piece, face: Polygon, axes: Floats, near: float) -> S
         outline = whole.simplify(near) if isinstance(whole, shapely.Polygon) else outline
     flat = shapely.get_coordinates(outline.exterior)[:-1]
     middle = np.array(face.middle)
-    return Side(end, middle + flat @ axes[1:], axes, middle, outline)
+    return Side(piece, middle + flat @ axes[1:], axes, middle, outline)
 
 
 def meeting(assembly: Assembly, placed: Placement) -> tuple[str, str] | None:

@@ -1,15 +1,15 @@
 """Rows of the interfaces and blocks of a structure: what a model says of each."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind
+from sidmacib.mechanics.assembly import Assembly, Kind
 from sidmacib.mechanics.contact_law import NodeState
-from sidmacib.problem import Outcome, State
+from sidmacib.problem import Outcome
 from sidmacib.quantities import clean, rounded
 from sidmacib.structure.analysis.forces import interface_forces
 
@@ -72,23 +72,13 @@ def interfaces_of(assembly: Assembly, outcome: Outcome) -> tuple[InterfaceRow, .
 
     ``assembly``: on the cells that the outcome is from.
     """
-    state, peak = outcome.state, outcome.path[-1].load
-    if state.force is None:
+    force, bonded, peak = outcome.state.force, outcome.state.bonded, outcome.path[-1].load
+    if force is None:
         return ()
-    failing = {face: load / peak for face, load in outcome.broken_at.items()}
-    return interface_rows(assembly, state, state.force, failing)
-
-
-def interface_rows(
-    assembly: Assembly, at: State, force: Floats, failing: Mapping[int, float]
-) -> tuple[InterfaceRow, ...]:
-    """Resultants on each interface from node forces, (N, 3) in N in the frame of its face.
-
-    ``failing``: the part of the peak at which the first bond of a face fails, by its index.
-    """
     state = None
-    if at.bonded is not None:
-        state = NodeState(np.zeros((len(at.bonded), 2)), at.bonded.astype(float))
+    if bonded is not None:
+        state = NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
+    failing = {face: load / peak for face, load in outcome.broken_at.items()}
     size = float(np.abs(force).max(initial=0.0))
     rows = []
     for number, each in enumerate(interface_forces(assembly, force, state)):

@@ -56,7 +56,7 @@ def write_compas_results(
         identity = content["guid"]
         data = compas_results(problem.assembly, found.force, found.mechanism, identity, source)
     else:
-        data = with_interfaces(json.loads(model.read_text("utf-8")), problem.assembly, found.force)
+        data = with_interfaces(content, problem.assembly, found.force)
     try:
         results.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     except OSError as error:
@@ -194,7 +194,7 @@ def _contact(face: Polygon, places: Floats, force: Floats, turned: bool) -> dict
         "force": -force @ face.axes if turned else force @ face.axes,
     }
     normal, first, second = (_turned(force) if turned else force).T
-    return {**contact, "normal": normal, "tangents": (first, second)}
+    return {**contact, "normal": normal, "tangent1": first, "tangent2": second}
 
 
 def _turned(force: Floats) -> Floats:
@@ -204,8 +204,9 @@ def _turned(force: Floats) -> Floats:
 
 def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """All contacts between two blocks."""
-    every = np.concatenate([each["force"] for each in contacts])
-    resultant = every.sum(axis=0)
+    keys = ("points", "force", "normal", "tangent1", "tangent2")
+    every = {key: np.concatenate([each[key] for each in contacts]) for key in keys}
+    resultant = every["force"].sum(axis=0)
     most = max(contacts, key=lambda each: float(np.linalg.norm(each["force"].sum(axis=0))))
     axes = np.array([most["frame"][1], most["frame"][2]])
     axes = np.array([*axes, np.cross(*axes)])
@@ -216,11 +217,11 @@ def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         ),
         "contact_frame": _frame(most),
         "contacts": [_friction_contact(each) for each in contacts],
-        "contact_points": _lists(np.concatenate([each["points"] for each in contacts])),
-        "force_normal": _lists(np.concatenate([each["normal"] for each in contacts])),
-        "force_tangent1": _lists(np.concatenate([each["tangents"][0] for each in contacts])),
-        "force_tangent2": _lists(np.concatenate([each["tangents"][1] for each in contacts])),
-        "force_vector": _lists(every),
+        "contact_points": _lists(every["points"]),
+        "force_normal": _lists(every["normal"]),
+        "force_tangent1": _lists(every["tangent1"]),
+        "force_tangent2": _lists(every["tangent2"]),
+        "force_vector": _lists(every["force"]),
         "resultant_global": _lists(resultant),
         "resultant_local": _lists(axes @ resultant),
         "force_magnitude": float(np.linalg.norm(resultant)),

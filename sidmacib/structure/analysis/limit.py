@@ -1,9 +1,11 @@
-"""Gravity that turns, by limit analysis: the angle above which no admissible forces carry it.
+"""Limit analysis of structures under gravity that turns, and mesh errors of limit loads.
 
-With friction that is associated this is an upper bound: blocks that wedge each other carry any load
-in limit analysis, but in a path of loading only if something presses them together first.
+The angle above which no admissible forces carry gravity is an upper bound where friction is
+associated: blocks that wedge each other carry any load in limit analysis, but in a path of loading
+only if something presses them together first.
 
-Apart from `tilt`, so that following a path loads no solver of programmes.
+Apart from the static model, in `sidmacib.structure.analysis.tilt` and
+`sidmacib.structure.analysis.mesh_error`, so that no path is followed again where this changes.
 """
 
 import math
@@ -11,17 +13,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sidmacib.errors import UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.errors import CapacityError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
+from sidmacib.problem import Problem
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned, turning
 from sidmacib.structure.loads import free_weight
+from sidmacib.structure.structure import refined
 
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
 SCAN = 5.0  # degrees between programmes where what they see is no sector
 LIMIT_PRECISION = 1e-4  # degrees
+AT_CORNERS = (NodeLayout.VERTICES, NodeLayout.LOBATTO)
+MOST_NODES = 5000  # of the finer mesh: more take longer than the answer
+FACTOR = 2.0  # on the change from a mesh to the finer one: all that errors of first order have left
+DIGITS = 9  # of the error after the decimal point; the rest is the solver's
 
 
 @dataclass(frozen=True)
@@ -97,3 +105,23 @@ def _short_of(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None
     except UnboundedError:
         return None
     return None if state.load >= weight else state
+
+
+def limit_mesh_error(problem: Problem, load: float) -> float | None:
+    """Mesh error of a limit ``load`` (N) with friction, over itself; None where it is unknown.
+
+    0 without bonds: what a dry face can carry at any place its nodes carry too, if all its corners
+    are nodes, as forces inside a face are means of forces at its corners. With bonds, from the load
+    on cells of half the size.
+    """
+    assembly, loads = problem
+    if not ContactLaw.of(assembly).cohesive.any():
+        return 0.0 if assembly.layout in AT_CORNERS else None
+    fine = refined(assembly)
+    if loads.axis is not None or not load > 0.0 or len(fine.nodes.area) > MOST_NODES:
+        return None
+    try:
+        change = limit_load(fine, loads, friction=True).load / load - 1.0
+    except CapacityError:
+        return None
+    return round(FACTOR * abs(change), DIGITS)
