@@ -35,10 +35,8 @@ INTERFACE = "compas_assembly.datastructures/Interface"
 MODEL, ANALYSIS = "compas_dem.models/BlockModel", "compas_dem.models/Analysis"
 GROUP = "compas_model.elements/Group"
 NAME = "block"  # begins the names of blocks, which end with the numbers of their nodes
-ELEMENTS, MESH = (
-    ("compas_dem.elements/Block", "compas_dem.elements/BlockElement"),
-    "compas.datastructures/Mesh",
-)
+ELEMENTS = ("compas_dem.elements/Block", "compas_dem.elements/BlockElement")
+MESH = "compas.datastructures/Mesh"
 CONTACT = "compas_dem.interactions/FrictionContact"
 KINDS = (*ASSEMBLIES, MODEL, ANALYSIS, MESH)
 DENSITIES = Number(at_least=1e-3, at_most=1e6, unit="kg/m3")

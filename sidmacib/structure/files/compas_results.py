@@ -15,7 +15,7 @@ from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
-from sidmacib.structure.files.compas import ASSEMBLIES, INTERFACE, MODEL, content_of
+from sidmacib.structure.files.compas import ASSEMBLIES, CONTACT, INTERFACE, MODEL, content_of
 from sidmacib.structure.interfaces import triangles
 from sidmacib.structure.structure import owners_of
 from sidmacib.validation import refused
@@ -242,7 +242,7 @@ def _friction_contact(contact: Mapping[str, Any]) -> dict[str, Any]:
         "holes": None,
         "forces": _forces(contact),
     }
-    return _object("compas_dem.interactions/FrictionContact", data, str(points))
+    return _object(CONTACT, data, str(points))
 
 
 def _frame(contact: Mapping[str, Any]) -> dict[str, Any]:

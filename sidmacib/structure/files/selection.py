@@ -7,7 +7,6 @@ that it has must hold.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -16,7 +15,7 @@ from pydantic import BeforeValidator, model_validator
 from sidmacib.quantities import Number, shown
 from sidmacib.reading import Keys, Way
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.interfaces import Interface, interfaces
+from sidmacib.structure.interfaces import Interface
 from sidmacib.structure.structure import Pair
 
 _Angle = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
@@ -75,17 +74,12 @@ def two_blocks(value: Any) -> tuple[str, str]:
 Between = Annotated[Literal["all"] | tuple[str, str] | Rule, BeforeValidator(_between)]
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Selection:
-    """The pairs of ``blocks`` that touch, for rules to choose from; ``near``: of `interfaces`."""
+    """The pairs of ``blocks`` that touch in the interfaces ``found``, for rules to choose from."""
 
-    blocks: list[Block]
-    near: float
-
-    @cached_property
-    def found(self) -> tuple[Interface, ...]:
-        """The interfaces of the blocks."""
-        return interfaces(self.blocks, self.near)
+    blocks: Sequence[Block]
+    found: Sequence[Interface]
 
     def pairs(self, key: str, between: "str | tuple[str, str] | Rule") -> list[Pair]:
         """The pairs that a file's ``between`` stands for: two names, all, or a rule.

@@ -22,7 +22,7 @@ from sidmacib.structure.files.sections import (
     StructureFile,
 )
 from sidmacib.structure.files.selection import Selection
-from sidmacib.structure.interfaces import NEAR, Interface, touching
+from sidmacib.structure.interfaces import NEAR, Interface, interfaces, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import Pair, rows_of, structure
@@ -143,35 +143,37 @@ def blocks_and_rows(
     Arguments as of `structure_of`, but without a load. ValueError that names the key.
     """
     given = StructureFile.read(description)
-    _, chosen = _blocks(given, folder)
-    rows = rows_of(chosen.blocks, _locked(given.locks, chosen), chosen.found)
-    return chosen.blocks, rows, given.tolerance
+    blocks = [block for each in _blocks(given, folder) for block in each]
+    found = interfaces(blocks, given.tolerance)
+    rows = rows_of(blocks, _locked(given.locks, Selection(blocks, found)), found)
+    return blocks, rows, given.tolerance
 
 
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
     """The structure of a ``description``; arguments and errors of `structure_of`."""
     given = StructureFile.read(description)
-    made, chosen = _blocks(given, folder)
+    made = _blocks(given, folder)
+    blocks = [block for each in made for block in each]
     if given.interfaces.from_file:
-        chosen.found = _of_files(given, folder, made)
-    material = given.interfaces.material
-    special = _special(given.special, material, chosen)
+        found = _of_files(given, folder, made)
+    else:
+        found = interfaces(blocks, given.tolerance)
+    material, chosen = given.interfaces.material, Selection(blocks, found)
     return structure(
-        chosen.blocks,
+        blocks,
         material,
-        special,
+        _special(given.special, material, chosen),
         _locked(given.locks, chosen),
         mesh=given.mesh or math.inf,
         nodes=given.nodes,
         near=given.tolerance,
-        regions=chosen.found,
+        regions=found,
     )
 
 
-def _blocks(given: StructureFile, folder: Path) -> tuple[list[list[Block]], Selection]:
-    """The blocks of each entry, and all for rules to choose from."""
-    made = [each.blocks(name, folder) for name, each in given.blocks.items()]
-    return made, Selection([block for each in made for block in each], given.tolerance)
+def _blocks(given: StructureFile, folder: Path) -> list[list[Block]]:
+    """The blocks of each entry."""
+    return [each.blocks(name, folder) for name, each in given.blocks.items()]
 
 
 def _of_files(
