@@ -51,15 +51,6 @@ def require_member(kind: type[Enum], **values: Any) -> None:
             raise refused(name, value, f"{kind.__name__}: {members}")
 
 
-def require_direction(**values: Any) -> None:
-    """ValueError unless each of ``values`` is three numbers, not all 0, of at most `LARGE`."""
-    for name, value in values.items():
-        numbers = list(value)
-        fine = len(numbers) == 3 and all(is_number(x) and abs(x) <= LARGE for x in numbers)
-        if not (fine and math.hypot(*numbers) > SMALL):
-            raise refused(name, numbers, f"three numbers of at most {LARGE:g}, not all 0")
-
-
 def refused(name: str, value: Any, allowed: str) -> ValueError:
     """The error for a ``value`` other than what is ``allowed``."""
     # As Python numbers, because the repr of numpy's includes the type.

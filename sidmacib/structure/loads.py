@@ -14,7 +14,7 @@ import numpy as np
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, self_weight
 from sidmacib.quantities import some_of
-from sidmacib.validation import refused, require_direction
+from sidmacib.validation import refused
 
 NAMES_SAID = 3  # of blocks, where one is not there
 OWN, ALL = "its own weight", "its own weight and the other permanent loads"
@@ -123,7 +123,7 @@ def acceleration(
     ``beside``: permanent loads beside weight, as in all of these functions.
 
     A load of k times `free_weight` is a horizontal acceleration of k g, or, in a dry structure, a
-    tilt of atan(k). ValueError unless the direction has a length.
+    tilt of atan(k).
     """
     return pushed(assembly, permanent_only(assembly, beside), direction)
 
@@ -147,7 +147,7 @@ def force_at(
 ) -> StructureLoads:
     """Self-weight, and 1 N along ``direction`` at a ``point`` (m) of the piece called ``name``.
 
-    ValueError unless there is such a piece that can move, and the direction has a length.
+    ValueError unless there is such a piece that can move.
     """
     number, along = _number(assembly, name, fixed=False), _unit(direction)
     always = permanent_only(assembly, beside)
@@ -174,7 +174,7 @@ def support_moves(
 ) -> SupportMotion:
     """Self-weight, while the fixed piece called ``name`` moves along ``displacement``.
 
-    ValueError unless there is such a piece, and the displacement has a length.
+    ValueError unless there is such a piece.
     """
     return _support(assembly, name, displacement, None, beside)
 
@@ -257,6 +257,5 @@ def weight_of_free(assembly: Assembly) -> Floats:
 
 
 def _unit(direction: Sequence[float]) -> Floats:
-    require_direction(direction=direction)
     along = np.array(direction, float)
     return np.asarray(along / np.linalg.norm(along))

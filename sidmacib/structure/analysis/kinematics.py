@@ -69,7 +69,7 @@ class Freedoms:
         rows, width = free_rows(assembly), 6 * len(assembly.pieces)
         ones = csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), (len(rows), width))
         always = loads.permanent.copy()
-        if isinstance(loads, StructureLoads) and loads.beside is not None:
+        if isinstance(loads, StructureLoads):
             always[:, 3:] = loads.turned_moments(placed.turn)
         units, permanent = row_units(assembly) * loads.scale, always.ravel()[rows]
         if isinstance(loads, SupportMotion):

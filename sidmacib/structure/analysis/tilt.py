@@ -26,7 +26,7 @@ from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static import INCREMENT, brittle_path
 from sidmacib.structure.loads import Permanent, StructureLoads, free_weight
-from sidmacib.validation import refused, require_direction
+from sidmacib.validation import refused
 
 LARGEST = 180.0  # degrees
 STEP = 0.25  # degrees: largest increment, or a hundredth of the angle where that is more
@@ -52,15 +52,13 @@ class Motion(StrEnum):
 class Tilt:
     """Gravity that turns about ``axis``, which need not be of unit length.
 
-    ``beside``: permanent loads that do not turn. ValueError unless the axis has a length and is not
-    vertical.
+    ``beside``: permanent loads that do not turn. ValueError for a vertical axis.
     """
 
     axis: Vector
     beside: Permanent | None = None
 
     def __post_init__(self) -> None:
-        require_direction(axis=self.axis)
         size = float(np.linalg.norm(self.axis))
         if math.hypot(*self.axis[:2]) <= LEVEL * size:
             raise refused("axis", list(self.axis), "a direction that is not vertical")
