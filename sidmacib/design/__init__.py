@@ -7,8 +7,9 @@ are pushed. What slides across them shears off the roots of the locks that work.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -134,28 +135,20 @@ def layouts_of(
     face: Polygon, kind: LockKind, directions: Sequence[Vector], most: int
 ) -> tuple[Layout, ...]:
     """All rows of ``kind`` that have room on ``face``, with at most ``most`` locks that work."""
-    return tuple(
-        layout
-        for number, run in enumerate(directions)
-        for width in kind.widths
-        for layout in _rows(face, kind, number, run, width, most)
-    )
-
-
-def _rows(
-    face: Polygon, kind: LockKind, direction: int, run: Vector, width: float, most: int
-) -> Iterator[Layout]:
     interface = Interface(face.below, face.above, face.axes, face.middle, face.outline)
-    whole = Row.of(Locks(1, kind.height, run=run), interface, face.name)
-    across = float(whole.edges[1] - whole.edges[0])
-    for working in range(1, most + 1):
-        margin = (across - (2 * working - 1) * width) / 2
-        if margin < width * (1.0 - CLOSE):
-            return
-        widths = (margin, *[width] * (2 * working - 1), margin)
-        row = Row.of(Locks(len(widths), kind.height, run=run, widths=widths), interface, face.name)
-        _, areas = condensed_points(row, _CENTRE)
-        ridges = float(areas[2:-2:2].sum())
-        # Either way, as many ridges bear as locks work: those between, and the margin ahead.
-        held = min(float(areas[1::2].sum()), ridges + float(min(areas[0], areas[-1])))
-        yield Layout(direction, run, working, widths, held, kind)
+    found = []
+    for direction, run in enumerate(directions):
+        whole = Row.of(Locks(1, kind.height, run=run), interface, face.name)
+        across = float(whole.edges[1] - whole.edges[0])
+        for width, working in product(kind.widths, range(1, most + 1)):
+            margin = (across - (2 * working - 1) * width) / 2
+            if margin < width * (1.0 - CLOSE):
+                continue
+            widths = (margin, *[width] * (2 * working - 1), margin)
+            locks = Locks(len(widths), kind.height, run=run, widths=widths)
+            _, areas = condensed_points(Row.of(locks, interface, face.name), _CENTRE)
+            ridges = float(areas[2:-2:2].sum())
+            # Either way, as many ridges bear as locks work: those between, and the margin ahead.
+            held = min(float(areas[1::2].sum()), ridges + float(min(areas[0], areas[-1])))
+            found.append(Layout(direction, run, working, widths, held, kind))
+    return tuple(found)

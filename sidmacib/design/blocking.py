@@ -117,10 +117,8 @@ def _walls(assembly: Assembly, number: int, depth: float) -> Floats:
     """
     face = assembly.faces[number]
     assert isinstance(face, Polygon)
-    ring = face.outline.exterior
-    corners = shapely.get_coordinates(ring if shapely.is_ccw(ring) else ring.reverse())
     walls = []
-    for start, end in pairwise(corners):
+    for start, end in pairwise(shapely.get_coordinates(face.outline.exterior)):
         edge = end - start
         length = float(np.linalg.norm(edge))
         outward = np.array([edge[1], -edge[0]]) / length

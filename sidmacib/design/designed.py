@@ -185,7 +185,7 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
     """
     best: Design | None = None
     last: Design | None = None
-    demand = dict.fromkeys((case.name for case in task.cases), 1.0)
+    demand = dict.fromkeys(task.loads, 1.0)
     for raised in range(task.asked.raised + 1):
         try:
             found = _once(task, demand, last, raised, note)

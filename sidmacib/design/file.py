@@ -141,35 +141,19 @@ class DesignFile(StructureFile):
     """the task of `multilock design`; the other commands ignore it"""
 
 
-@dataclass(frozen=True)
-class CaseText:
-    """A load case as the file has it: the key ``load`` in plain values, and its section."""
-
-    name: str
-    load: Mapping[str, Any]
-    section: CaseSection
-
-    @property
-    def line(self) -> str:
-        """The case in a line of YAML."""
-        amount = self.section.model_dump(include={"newtons", "over_weight"}, exclude_none=True)
-        values = {self.name: {**self.load, **amount}}
-        flow = yaml.safe_dump(values, default_flow_style=True, width=1000)
-        return flow.strip().removeprefix("{").removesuffix("}")
-
-
 @dataclass(frozen=True, eq=False)
 class Task:
     """What a file asks to be designed.
 
     ``description``: the structure without locks, as in a file; ``folder``: that its paths start
-    from. ``asked``: how the ``cases`` are to be carried.
+    from. ``loads``: the key ``load`` of each case by its name. ``asked``: how the cases are to be
+    carried.
     """
 
     description: Mapping[str, Any]
     folder: Path
     structure: DesignProblem
-    cases: tuple[CaseText, ...]
+    loads: Mapping[str, Mapping[str, Any]]
     asked: DesignSection
 
 
@@ -191,11 +175,11 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
     design = given.design
     plain = {key: value for key, value in description.items() if key != "design"}
     texts = description["design"]["cases"].values()
-    cases = tuple(
-        CaseText(name, {k: v for k, v in text.items() if k in ("acceleration", "force")}, section)
-        for text, (name, section) in zip(texts, design.cases.items(), strict=True)
-    )
-    plain.setdefault("load", cases[0].load)
+    loads = {
+        name: {key: text[key] for key in text if key in ("acceleration", "force")}
+        for name, text in zip(design.cases, texts, strict=True)
+    }
+    plain.setdefault("load", next(iter(loads.values())))
     assembly = assembly_of(given, folder)
     structure = DesignProblem(
         assembly,
@@ -204,7 +188,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
         design.weights.weights(),
         option=OPTIONS[design.option],
     )
-    return Task(plain, folder, structure, cases, design)
+    return Task(plain, folder, structure, loads, design)
 
 
 def load_cases(
@@ -295,12 +279,12 @@ def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> N
         return {**value, "file": Path(there).as_posix()}
 
     description["blocks"] = {name: moved(value) for name, value in description["blocks"].items()}
-    cases = "".join(f"#   {case.line}\n" for case in task.cases)
+    cases = "".join(f"#   {_line(task, name)}\n" for name in task.loads)
     head = f"# With the locks that multilock design found for these cases:\n{cases}"
-    for number, case in enumerate(task.cases):
-        file = beside(path, case) if number else path
-        content = {**description, "load": case.load}
-        text = head + f"# The load is that of {shown(case.name)}.\n"
+    for number, (name, load) in enumerate(task.loads.items()):
+        file = beside(path, name) if number else path
+        content = {**description, "load": load}
+        text = head + f"# The load is that of {shown(name)}.\n"
         text += yaml.safe_dump(content, sort_keys=False, width=120)
         try:
             file.write_text(text, encoding="utf-8")
@@ -308,9 +292,19 @@ def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> N
             raise ValueError(f"--output {file}: {error.strerror or error}") from None
 
 
-def beside(path: Path, case: CaseText) -> Path:
+def beside(path: Path, case: str) -> Path:
     """The file beside ``path`` for a ``case`` that is not the first, named after it."""
-    return path.with_name(f"{path.stem}-{quote(case.name, safe=' ')}{path.suffix}")
+    return path.with_name(f"{path.stem}-{quote(case, safe=' ')}{path.suffix}")
+
+
+def _line(task: Task, case: str) -> str:
+    """A case in a line of YAML."""
+    amount = task.asked.cases[case].model_dump(
+        include={"newtons", "over_weight"}, exclude_none=True
+    )
+    values = {case: {**task.loads[case], **amount}}
+    flow = yaml.safe_dump(values, default_flow_style=True, width=1000)
+    return flow.strip().removeprefix("{").removesuffix("}")
 
 
 def _numbers(material: FaceMaterial) -> dict[str, float]:

@@ -15,7 +15,7 @@ from functools import cached_property
 import cvxpy as cp
 import numpy as np
 import shapely
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csr_array, diags_array, eye_array, kron
 
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design import Layout, Weights
@@ -144,19 +144,8 @@ class DesignProblem:
     @cached_property
     def portions(self) -> csr_array:
         """The part of the strength of each of `rows` that each contact point may carry."""
-        count = len(self.option.portions)
-        rows = np.arange(count * len(self.rows)) // count
-        values = np.tile(self.option.portions, len(self.rows))
-        return csr_array((values, (np.arange(len(rows)), rows)), (len(rows), len(self.rows)))
-
-    def permanent(self, case: LoadCase) -> Floats:
-        """Permanent loads in units, (R,)."""
-        return np.asarray(case.loads.permanent.ravel()[self.free] / self.row_scale)
-
-    def variable(self, case: LoadCase) -> Floats:
-        """The variable loads of a case, as much as is to be carried, in units, (R,)."""
-        variable = case.loads.variable.ravel()[self.free]
-        return np.asarray(case.load * variable / self.row_scale)
+        of_row = np.array(self.option.portions)[:, None]
+        return csr_array(kron(eye_array(len(self.rows)), of_row))
 
     def _scaled(self, matrix: csr_array) -> csr_array:
         return csr_array(diags_array(self.unit / self.row_scale) @ matrix[self.free])
@@ -210,10 +199,14 @@ def case_forces(
     locks = cp.Variable(structure.at_locks.shape[1])
     size = cp.norm(nodes[:, 1:], 2, axis=1)
     most = structure.portions @ strength
+    permanent, variable = (
+        loads.ravel()[structure.free] / structure.row_scale
+        for loads in (case.loads.permanent, case.load * case.loads.variable)
+    )
     either = (locks <= most, -locks <= most)
     constraints = [
         structure.at_nodes @ cp.vec(nodes, order="C") + structure.at_locks @ locks
-        == structure.permanent(case) + factor * structure.variable(case),
+        == permanent + factor * variable,
         size <= cone.held / unit + cp.multiply(cone.slope, nodes[:, 0]),
         nodes[:, 0] >= -cone.torn / unit,
         *either,

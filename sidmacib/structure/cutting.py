@@ -1,6 +1,6 @@
 """Convex blocks cut by planes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -9,12 +9,6 @@ from sidmacib.mechanics.assembly import CLOSE, Floats, Integers
 from sidmacib.structure.blocks import Block, compact, vectors
 
 NEAR = 1e-7  # over a block's size: vertices no further from a plane lie in it
-
-
-def require_convex(block: Block) -> None:
-    """ValueError unless all vertices of ``block`` lie behind each of its faces."""
-    if (number := block.reentrant) is not None:
-        raise ValueError(f"{block.name}, face {number}: must be convex where locks are cut")
 
 
 def cut(block: Block, point: Floats, normal: Floats) -> tuple[Block | None, Block | None]:
@@ -79,7 +73,12 @@ Plane = tuple[Floats, Floats]  # a point (m) and the unit normal, (3,) each
 
 
 def sides(block: Block, corners: Floats, normal: Floats) -> Iterator[Plane]:
-    """The planes, with outward normals, in which `clipped` cuts."""
+    """The planes, with outward normals, that a convex outline cuts a convex ``block`` along.
+
+    ``corners``: of the outline, (K, 3) in m, anticlockwise about the unit ``normal``. Along the
+    edges of the block's own face in the outline's plane nothing is cut, so that a block which
+    widens away from it keeps its sides.
+    """
     in_plane = np.abs((block.places - corners[0]) @ normal) <= NEAR * block.size
     for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         outward = np.cross(other - one, normal)
@@ -92,16 +91,11 @@ def sides(block: Block, corners: Floats, normal: Floats) -> Iterator[Plane]:
             yield one, outward
 
 
-def clipped(block: Block, corners: Floats, normal: Floats) -> tuple[Block | None, list[Block]]:
-    """The part of a convex ``block`` above and below a convex outline, and the parts beside it.
-
-    ``corners``: of the outline, (K, 3) in m, anticlockwise about the unit ``normal``. Along the
-    edges of the block's own face in the outline's plane nothing is cut, so that a block which
-    widens away from it keeps its sides.
-    """
+def clipped(block: Block, planes: Iterable[Plane]) -> tuple[Block | None, list[Block]]:
+    """The part of a convex ``block`` behind all ``planes``, if any, and the parts beside it."""
     inside: Block | None = block
     beside: list[Block] = []
-    for point, outward in sides(block, corners, normal):
+    for point, outward in planes:
         if inside is None:
             break
         inside, outside = cut(inside, point, outward)

@@ -26,7 +26,7 @@ class Interface:
 
     ``below`` and ``above``: indices of the blocks; ``axes``: the unit normal from ``below`` to
     ``above``, then two tangents, (3, 3); ``outline``: the region in coordinates (m) along the
-    tangents from ``middle`` (m), its centroid.
+    tangents from ``middle`` (m), its centroid; anticlockwise.
     """
 
     below: int

@@ -18,7 +18,7 @@ from sidmacib.joint import DRY, FIXED_PLATE, INNER, HoldDown
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
 from sidmacib.quantities import Count, Length
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.cutting import Plane, clipped, cut, require_convex, sides
+from sidmacib.structure.cutting import Plane, clipped, cut, sides
 from sidmacib.structure.interfaces import Interface
 from sidmacib.validation import refused, require_kinds
 
@@ -168,19 +168,18 @@ def cut_off(row: Row, solids: list[Block], side: float) -> tuple[list[Block], li
     """
     normal, half = row.interface.axes[0], row.locks.height / 2
     corners = shapely.get_coordinates(row.interface.outline.exterior)[:-1]
-    if not shapely.is_ccw(row.interface.outline.exterior):
-        corners = corners[::-1]
     outline = row.middle + corners @ row.interface.axes[1:]
     left: list[Block] = []
     parts: list[LockPart] = []
     for solid in solids:
-        require_convex(solid)
+        if (number := solid.reentrant) is not None:
+            raise ValueError(f"{solid.name}, face {number}: must be convex where locks are cut")
         near, far = cut(solid, row.middle + side * half * normal, side * normal)
         left += [far] if far else []
         if near is None:
             continue
         beside = tuple(sides(near, outline, normal))
-        inside, others = clipped(near, outline, normal)
+        inside, others = clipped(near, beside)
         left += others
         for number, part in row.strips(inside) if inside else ():
             parts.append(LockPart(number, part, beside))
