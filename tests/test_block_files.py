@@ -13,6 +13,7 @@ from structures import dry, moved, read_structure
 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.files.file_section import FileSection
 from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.structure_file import structure_of, with_bodies
 from sidmacib.structure.loads import acceleration
@@ -115,6 +116,13 @@ def test_a_body_with_a_groove_keeps_its_faces_and_one_with_a_hole_its_volume(
     ring.export(tmp_path / "ring.stl")
     (block,) = blocks_from_mesh(tmp_path / "ring.stl", 2e3).values()
     assert block.volume == pytest.approx(ring.volume, rel=1e-6)
+
+
+@pytest.mark.parametrize("file", ["low.obj", "*.obj"])
+def test_a_pattern_that_fits_one_file_is_that_file(file: str, tmp_path: Path) -> None:
+    write(tmp_path / "low.obj", [LOW])
+    (block,) = FileSection(file=file, fixed=True).blocks("b", tmp_path)
+    assert (block.name, block.fixed) == ("b", True)
 
 
 def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Path) -> None:

@@ -75,8 +75,9 @@ class FileSection(Keys):
                 for path in paths
                 for block in self._in(f"{name}-{path.stem}" if several else name, path)
             ]
+            if several or not self.file.endswith(".json"):  # of COMPAS nodes are fixed
+                found = self._fixed(name, found)
             self._require_unit(found)
-            found = found if not several else self._fixed(name, found)
             if (height := self.fixed_below) is None:
                 return found
             return [replace(b, fixed=b.fixed or b.places[:, 2].min() < height) for b in found]
@@ -109,8 +110,7 @@ class FileSection(Keys):
             path, self.density, np.array(UPWARDS[self.up], float), self.length
         )
         alone = len(bodies) == 1
-        named = [replace(b, name=name if alone else f"{name}-{k}") for k, b in bodies.items()]
-        return named if "*" in self.file else self._fixed(name, named)
+        return [replace(b, name=name if alone else f"{name}-{k}") for k, b in bodies.items()]
 
     def _fixed(self, name: str, blocks: list[Block]) -> list[Block]:
         """``blocks`` of which those that cannot move are fixed."""
