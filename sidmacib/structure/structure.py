@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
 from sidmacib.quantities import some_of
-from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.blocks import Block, Compound, solids_of
 from sidmacib.structure.crossing import grouped
 from sidmacib.structure.interfaces import (
     NEAR,
@@ -69,13 +69,15 @@ def structure(
         allowed = "two blocks without locks, which have materials of their own"
         raise refused("special", " and ".join(sorted(pair)), allowed)
     rows = rows_of(blocks, locked or {}, found)
-    parts = _Parts.of(blocks, rows)
-    if len(parts.solids) > len(blocks):
-        size = near * mean_size(parts.solids)
-        found = joined(touching(parts.solids, near), parts.piece, size)
-    if (twice := _first_twice([piece.name for piece in parts.pieces])) is not None:
+    parts = _parts(blocks, rows)
+    pieces = tuple(part.piece for part in parts)
+    solids = [(number, each) for number, piece in enumerate(pieces) for each in solids_of(piece)]
+    if len(solids) > len(blocks):
+        numbers, every = zip(*solids, strict=True)
+        found = joined(touching(every, near), numbers, near * mean_size(every))
+    if (twice := _first_twice([piece.name for piece in pieces])) is not None:
         raise refused("blocks", twice, "a name that no lock has")
-    _require_held(parts.pieces, found)
+    _require_held(pieces, found)
     area = math.fsum(each.outline.area for each in found)
     if area / mesh / mesh > MOST_CELLS:  # before they are made
         least = math.sqrt(area / MOST_CELLS)
@@ -86,7 +88,7 @@ def structure(
         nodes = NodeLayout.LOBATTO if bonded else NodeLayout.VERTICES
     of_faces = polygon_nodes(faces, mesh, nodes)
     length = float(np.mean(free))
-    return Assembly(parts.pieces, faces, of_faces, length, mesh=mesh, layout=nodes)
+    return Assembly(pieces, faces, of_faces, length, mesh=mesh, layout=nodes)
 
 
 def _first_twice(names: Sequence[str]) -> str | None:
@@ -159,57 +161,47 @@ def _row(pair: Pair, locks: Locks, found: list[Interface], names: list[str]) -> 
 
 
 @dataclass(frozen=True)
-class _Parts:
-    """The pieces that blocks are cut into.
+class _Part:
+    """A piece that blocks are cut into, and the name of the block that it belongs to.
 
-    ``solids`` and the index of each one's ``piece``; ``owner``: of each piece, the name of the
-    block that it belongs to; ``row``: of each piece that is a lock, the pair of its blocks.
+    ``row``: of a lock the pair of its blocks.
     """
 
-    pieces: tuple[Block | Compound, ...]
-    solids: tuple[Block, ...]
-    piece: tuple[int, ...]
-    owner: tuple[str, ...]
-    row: tuple[Pair | None, ...]
+    piece: Block | Compound
+    owner: str
+    row: Pair | None = None
 
-    @classmethod
-    def of(cls, blocks: Sequence[Block], rows: Mapping[Pair, Row]) -> "_Parts":
-        """``blocks`` with the locks of ``rows`` that are not condensed cut out."""
-        cut = {pair: row for pair, row in rows.items() if not row.locks.condensed}
-        left, parts = cut_rows(blocks, cut.values())
-        density = {block.name: block.density for block in blocks}
-        locks: list[tuple[str, list[Block], str, Pair]] = []
-        for (pair, row), (in_below, in_above) in zip(cut.items(), parts, strict=True):
-            below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
-            for number in range(row.locks.count):
-                other = above if row.locks.first == below else below
-                owner = str(row.locks.first if number % 2 == 0 else other)
-                name = f"{below}-{above}-lock{number + 1}"
-                own = [
-                    replace(part.solid, name=name, density=density[owner], fixed=False)
-                    for part in (*in_below, *in_above)
-                    if part.number == number
-                ]
-                if not own:
-                    raise ValueError(f"{name}: has no part of the blocks; use fewer locks")
-                locks.append((name, own, owner, pair))
-        every = [(name, solids, name, None) for name, solids in left.items()] + locks
-        pieces = tuple(
-            solids[0] if len(solids) == 1 else Compound(name, tuple(solids), solids[0].fixed)
-            for name, solids, _, _ in every
-        )
-        return cls(
-            pieces,
-            tuple(solid for _, solids, _, _ in every for solid in solids),
-            tuple(number for number, each in enumerate(every) for _ in each[1]),
-            tuple(owner for _, _, owner, _ in every),
-            tuple(pair for _, _, _, pair in every),
-        )
+
+def _parts(blocks: Sequence[Block], rows: Mapping[Pair, Row]) -> list[_Part]:
+    """``blocks`` with the locks of ``rows`` that are not condensed cut out."""
+    cut = {pair: row for pair, row in rows.items() if not row.locks.condensed}
+    left, parts = cut_rows(blocks, cut.values())
+    found = [_Part(_piece(name, solids), name) for name, solids in left.items()]
+    density = {block.name: block.density for block in blocks}
+    for (pair, row), (in_below, in_above) in zip(cut.items(), parts, strict=True):
+        below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
+        for number in range(row.locks.count):
+            other = above if row.locks.first == below else below
+            owner = str(row.locks.first if number % 2 == 0 else other)
+            name = f"{below}-{above}-lock{number + 1}"
+            own = [
+                replace(part.solid, name=name, density=density[owner], fixed=False)
+                for part in (*in_below, *in_above)
+                if part.number == number
+            ]
+            if not own:
+                raise ValueError(f"{name}: has no part of the blocks; use fewer locks")
+            found.append(_Part(_piece(name, own), owner, pair))
+    return found
+
+
+def _piece(name: str, solids: Sequence[Block]) -> Block | Compound:
+    return solids[0] if len(solids) == 1 else Compound(name, tuple(solids), solids[0].fixed)
 
 
 def _faces(
     found: Sequence[Interface],
-    parts: _Parts,
+    parts: Sequence[_Part],
     material: FaceMaterial,
     special: Mapping[Pair, FaceMaterial],
     rows: Mapping[Pair, Row],
@@ -218,17 +210,17 @@ def _faces(
     before: dict[str, int] = {}
     for each in found:
         ends = each.below, each.above
-        name = "-".join(parts.pieces[end].name for end in ends)
+        name = "-".join(parts[end].piece.name for end in ends)
         before[name] = number = before.get(name, 0) + 1
         name += f"-{number}" if number > 1 else ""
-        one, other = (parts.owner[end] for end in ends)
+        one, other = (parts[end].owner for end in ends)
         pair = frozenset((one, other))
         row = rows.get(pair)
         if one == other:  # a lock and its own block, or two locks of it
-            of_lock = next(filter(None, (parts.row[end] for end in ends)))
+            of_lock = next(filter(None, (parts[end].row for end in ends)))
             yield _face(each, name, Kind.INNER, rows[of_lock].locks.inner)
         elif row and row.locks.condensed:
-            solids = [parts.pieces[end] for end in ends]
+            solids = [parts[end].piece for end in ends]
             yield _condensed(row, row.locks.condensed, solids, name)
         elif row:
             yield _face(each, name, Kind.DRY, row.locks.dry)
