@@ -179,11 +179,11 @@ class RowSearch:
             used = np.bincount(sites, sums, minlength=len(structure.sites))
             main = np.zeros(len(structure.sites))
             np.maximum.at(main, sites, sums)
-            minor = np.where(used > main * (1.0 + MIXED), main / np.maximum(used, SHORT), np.inf)
-            open_sites = np.flatnonzero(np.isfinite(minor) & (used > SHORT * structure.costs.max()))
-            if not len(open_sites):
+            mixed = (used > main * (1.0 + MIXED)) & (used > SHORT * structure.costs.max())
+            if not mixed.any():
                 return self._repaired(parts, whole, barred, end)
-            order = open_sites[np.argsort(-minor[open_sites], kind="stable")]
+            open_sites = np.flatnonzero(mixed)
+            order = open_sites[np.argsort(-main[mixed] / used[mixed], kind="stable")]
             settled = order[: max(1, len(order) // 3)]
             trial = allowed & (best | ~np.isin(structure.site_of, settled))
             try:
