@@ -141,15 +141,19 @@ class ElasticSolver:
 
         Raises `NoEquilibriumError` where Newton's method finds none and, if ``thorough``, none from
         the equilibrium without friction either, at once or with friction raised in steps, from
-        where it also converges if all dry nodes begin without any force; nor from that with so much
-        friction that nothing slides, which is then lowered: stiff dry faces need that.
+        where it also converges if all dry nodes begin without any force; nor, while all bonds are
+        whole, from that with so much friction that nothing slides, which is then lowered: stiff dry
+        faces need that.
         """
-        found, from_nothing = None, self._from_nothing(guess, state)
+        whole = np.array_equal(state.whole, self.contact_law.cohesive)
+        found, from_nothing = None, whole and self._from_nothing(guess, state)
         if not (from_nothing and self.cycles_from_nothing):
             found = self._newton(load, guess, state, self.contact_law.friction)
             self.cycles_from_nothing |= from_nothing and found is None and not self.flew_off
         if found is None and thorough:
-            found = self._roughened(load, guess, state) or self._loosened(load, guess, state)
+            found = self._roughened(load, guess, state)
+            if found is None and whole:
+                found = self._loosened(load, guess, state)
             if found is None and from_nothing and self.cycles_from_nothing:
                 raise SolverError(
                     "no equilibrium of elastic blocks was found from no force at all; give them a "
@@ -160,12 +164,11 @@ class ElasticSolver:
         return found
 
     def _from_nothing(self, guess: Floats, state: NodeState) -> bool:
-        """Whether no force, jump or failure precedes the load: steps are then in proportion to it.
+        """Whether no force or jump precedes the load: steps are then in proportion to it.
 
         If Newton's method cycles at one such load, it does so at all.
         """
-        before = self.forces[:, 0].any() or guess.any() or state.slip.any()
-        return not before and np.array_equal(state.whole, self.contact_law.cohesive)
+        return not (self.forces[:, 0].any() or guess.any() or state.slip.any())
 
     def _roughened(self, load: float, guess: Floats, state: NodeState) -> Equilibrium | None:
         """Equilibrium from that without friction, which is then raised in steps; None if they fail.
