@@ -4,7 +4,7 @@
 # make report  write only the report, report.html in $(RESULTS)
 # make explore open pages with sliders for any joint and for structures, served to this machine only
 # make calibrate  find the geometry and friction that fit the published numbers
-# make locks   run the study of the law on 640 joints; takes hours, continues where it stopped
+# make locks   run the study of the law on 640 joints; takes less than an hour, continues where it stopped
 # make study PROFILE=slurm  run the study on a SLURM cluster, see docs/howto/cluster.md
 # make decks   write decks for 3DEC; make study reads the results.txt that 3DEC leaves beside a deck
 # make test    run lint and all tests, including real runs of the engines
