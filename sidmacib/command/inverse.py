@@ -165,7 +165,7 @@ def why_none(tried: Sequence[Candidate]) -> str:
     """Reason why none of the joints that were tried carries the load."""
     refused = [each.reason for each in tried if each.load is None]
     usage = [each.usage for each in tried if each.usage is not None]
-    words = [f"{_all_of(tried)} is strong enough by the safe rule"]
+    words = [f"{_all_of(tried)} is strong enough"]
     if usage:
         share = np.format_float_positional(100.0 / min(usage), 3, fractional=False, trim="-")
         words.append(f"the strongest reaches {share} % of the load")
@@ -194,14 +194,14 @@ def chart(
 ) -> "Figure":
     """All joints that were tried over the first two names of ``values``.
 
-    With one name or none: needed over safe load against it. A point stands for several joints where
-    more than two names vary; it is strong enough if one of them is.
+    With one name or none: required load over resistance against it. A point stands for several
+    joints where more than two names vary; it is strong enough if one of them is.
     """
     names = list(values or ("locks",))
     x, y = names[0], names[1] if len(names) > 1 else None
     labels = [each if each == "locks" else f"{each} (m)" for each in names]
-    upwards = labels[1] if y else "required load / safe load"
-    figure, axes = plot("by the safe rule", labels[0], upwards, height=4.5)
+    upwards = labels[1] if y else "required load / resistance"
+    figure, axes = plot("joints that were tried", labels[0], upwards, height=4.5)
 
     def place(each: Candidate) -> tuple[float, float]:
         return getattr(each.joint, x), getattr(each.joint, y) if y else each.usage or 0.0

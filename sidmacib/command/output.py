@@ -15,7 +15,7 @@ import click
 
 from sidmacib.command import FAULT
 from sidmacib.command.answers import ERRORS, Row, reason
-from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve, write_figure
+from sidmacib.drawing import BLUE, ORANGE, vm_axes, vm_curve, write_figure
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint
 from sidmacib.models import MODELS
@@ -29,7 +29,6 @@ FORMATS = ("table", "json", "csv")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
 # Of models, as in the figures of studies.
 COLOURS = {name: model.colour for name, model in MODELS.items()}
-COLOURS |= {"characteristic": ORANGE, "design": VERMILION}
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 _SI = sorted(MEASURED_IN, key=len, reverse=True)  # N m before N
 _MEASURED = re.compile(
