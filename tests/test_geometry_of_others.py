@@ -15,7 +15,7 @@ from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.repair import bodies_in, repaired
-from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.structure.files.structure_file import blocks_and_rows, structure_of
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.structure import structure
 from sidmacib.structure.warnings import structure_warnings
@@ -271,6 +271,13 @@ def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> No
     path.write_text(json.dumps(given))
     assert run("assembly", str(path)).exit_code == 2
     assert limit(str(path), "--from-file") == pytest.approx(0.7 * 2e3 * 9.81, rel=1e-3)
+    described = {
+        "blocks": {"stone": {"file": path.name, "density": 2e3}},
+        "interfaces": {"friction": 0.7, "from_file": True},
+        "locks": [{"between": "all", "count": 3, "height": 0.1, "row": [1, 0, 0]}],
+    }
+    _, rows, _ = blocks_and_rows(described, tmp_path)  # what is built and drawn
+    assert len(rows) == 1
 
 
 def test_all_files_that_fit_a_pattern_are_blocks(tmp_path: Path) -> None:

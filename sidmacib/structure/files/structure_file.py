@@ -143,8 +143,7 @@ def blocks_and_rows(
     Arguments as of `structure_of`, but without a load. ValueError that names the key.
     """
     given = StructureFile.read(description)
-    blocks = [block for each in _blocks(given, folder) for block in each]
-    found = interfaces(blocks, given.tolerance)
+    blocks, found = _in_contact(given, folder)
     rows = rows_of(blocks, _locked(given.locks, Selection(blocks, found)), found)
     return blocks, rows, given.tolerance
 
@@ -152,12 +151,7 @@ def blocks_and_rows(
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
     """The structure of a ``description``; arguments and errors of `structure_of`."""
     given = StructureFile.read(description)
-    made = _blocks(given, folder)
-    blocks = [block for each in made for block in each]
-    if given.interfaces.from_file:
-        found = _of_files(given, folder, made)
-    else:
-        found = interfaces(blocks, given.tolerance)
+    blocks, found = _in_contact(given, folder)
     material, chosen = given.interfaces.material, Selection(blocks, found)
     return structure(
         blocks,
@@ -171,9 +165,13 @@ def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
     )
 
 
-def _blocks(given: StructureFile, folder: Path) -> list[list[Block]]:
-    """The blocks of each entry."""
-    return [each.blocks(name, folder) for name, each in given.blocks.items()]
+def _in_contact(given: StructureFile, folder: Path) -> tuple[list[Block], tuple[Interface, ...]]:
+    """The blocks, and the interfaces between them: found, or those that files bring."""
+    made = [each.blocks(name, folder) for name, each in given.blocks.items()]
+    blocks = [block for each in made for block in each]
+    if given.interfaces.from_file:
+        return blocks, _of_files(given, folder, made)
+    return blocks, interfaces(blocks, given.tolerance)
 
 
 def _of_files(
