@@ -96,6 +96,13 @@ def test_the_note_has_the_numbers_of_the_library(tmp_path: Path) -> None:
     assert "multilock 1." in note and "No laboratory test" in note
 
 
+def test_the_note_has_its_result_in_the_units_that_were_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "note.html"
+    run("capacity", "-n", "3", "-m", "law", "--units", "kN", "--note", str(path))
+    safe = sidmacib.safe(sidmacib.Joint(3), sidmacib.Direction(0.0)).shear / 1e3
+    assert f"Design resistance: V = {safe:.4g} kN, M = 0 N m" in path.read_text()
+
+
 def test_a_joint_that_was_sought_has_a_note_with_its_utilisation(tmp_path: Path) -> None:
     words = ["joint", "-V", "300", *GIVEN[2:]]
     rows = json.loads(run(*words, "--format", "json"))

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.answers.joint import joint_answer, joint_mesh_error
-from sidmacib.command.output import refused_in_one_line, write_text
+from sidmacib.command.output import in_asked_words, refused_in_one_line, write_text
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
@@ -62,10 +62,10 @@ class Case:
     needed: float | None = None
 
     def both(self, load: float) -> str:
-        """A load along the direction as V and M."""
+        """A load along the direction as V and M, in the units that were asked for."""
         shear, torque = load * self.direction.shear, load * self.direction.torque * self.joint.a
         parts = [f"V = {shear:.4g} N"] if self.direction.shear else []
-        return ", ".join([*parts, f"M = {torque:.4g} N m"])
+        return in_asked_words(", ".join([*parts, f"M = {torque:.4g} N m"]))
 
 
 def write_note(case: Case, path: Path) -> None:
@@ -76,6 +76,8 @@ def write_note(case: Case, path: Path) -> None:
 
 def joint_note(case: Case, command: str) -> str:
     """The note of ``case``, in HTML; ``command``: what it was made by.
+
+    Its equations and the parameters in them are in SI units, whatever units were asked for.
 
     Errors of `sidmacib.rule.reliability.design_resistance`.
     """
