@@ -49,7 +49,8 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
     """
     carried = detailed_curves(capacity)[["model", "case", "load_N", "mesh_error"]]
     carried = carried.rename(columns={"model": "weights_from"})
-    promised = capacity[capacity["model"] == "sidmacib"]
+    # Names, also where there are none.
+    promised = capacity[capacity["model"] == "sidmacib"].astype({"weights_from": "str"})
     both = promised.merge(carried, on=["weights_from", "case"], suffixes=("", "_carried"))
     both = both.dropna(subset=["load_N_carried"])  # a case without a result
     names = ["weights_from", "sample", "locks", "mesh_m", "option", "friction", "reduction"]
