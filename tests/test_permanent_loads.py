@@ -154,11 +154,14 @@ def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
 @pytest.mark.parametrize(
     ("permanent", "message"),
     [
-        ({"pressure": {"side": [0, 0, -1], "pascals": 1}}, "permanent.1.pressure: no side of a"),
+        ({"pressure": {"side": [0, 0, -1], "pascals": 1}}, "permanent.1.pressure: no free face of"),
         ({"pressure": {"side": [1, 0, 0], "pascals": "5kN"}}, "5kN is a force"),
         ({"earth": {"side": [1, 0, 1], "level": 1, "coefficient": 1}}, "it must be horizontal"),
         ({"surcharge": {"pascals": 1, "x": [1, 0]}}, "the first value must not exceed"),
-        ({"surcharge": {"pascals": 1, "blocks": "kube"}}, "permanent.1.surcharge: no side of a"),
+        (
+            {"surcharge": {"pascals": 1, "blocks": "kube"}},
+            "surcharge: blocks: .kube. is not allowed; it must be names of free",
+        ),
         (
             {"force": {"block": "ground", "at": [0, 0, 0], "direction": [1, 0, 0], "newtons": 1}},
             "permanent.1.force.block: 'ground' is not allowed",

@@ -82,7 +82,8 @@ def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> No
     assert told == finding("it", f"{said}.", "good" if said.startswith("Yes") else "bad")
     if "load_cases" not in DEMANDED[name]:
         by_model = {row["model"]: row["factor"] for row in rows}
-        rows = [{"to limit": by_model["limit"], "factor": by_model["static"] or by_model["limit"]}]
+        factors = filter(None, (by_model["limit"], by_model["static"]))
+        rows = [{"to limit": by_model["limit"], "factor": min(factors)}]
     names = {"factor": "factor", "to limit": "limit_factor"}
     names |= {"to first failure": "first_failure_factor", "to peak": "peak_factor"}
     for row, own in zip(rows, found.to_dict("records"), strict=True):

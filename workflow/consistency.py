@@ -381,7 +381,10 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
         except ValueError as error:
             yield f"{key}.{place}: {_in_a_line(error)}"
             continue
-        loads: Mapping[str, Any] = section.loads or {LOAD: whole.get(LOAD)}
+        if not section.loads and LOAD not in whole:
+            yield f"{key}.{place}.{LOAD}: missing; a study needs it, or {CASES}, or {key}.loads"
+            continue
+        loads: Mapping[str, Any] = section.loads or {LOAD: whole[LOAD]}
         for name, load in loads.items():
             try:
                 beside = structure_file.permanent_of(assembly, whole)

@@ -1,13 +1,14 @@
 """Whether a structure carries a load, and by what factor.
 
-The load that counts in the static model decides. Where that model has no answer limit analysis
-does, which may overestimate, and the words say so. Both models may be asked here, or have been
-asked by a study.
+The load that counts in the static model decides, or limit analysis where this is lower, as no path
+of loads goes beyond it. Where the static model has no answer limit analysis decides alone, which
+may overestimate, and the words say so. Both models may be asked here, or have been asked by a
+study.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from sidmacib.answers.structure import CRUSHING, bond_fails
@@ -17,6 +18,8 @@ from sidmacib.quantities import four_digits
 
 if TYPE_CHECKING:
     from sidmacib.mechanics.limit import LimitState
+
+LOWER = 1e-3  # of a load: by less, the two models agree
 
 
 class Static(Protocol):
@@ -78,18 +81,24 @@ def verdict(
     """The verdict on a load of ``newtons``, by the answers of both models."""
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
     if not isinstance(static, CapacityError):
-        return _by_static(newtons, static, most)
+        found = _by_static(newtons, static, most)
+        if most is None or found.factor is None or most >= found.factor * (1.0 - LOWER):
+            return found
+        note = "limit analysis decides, as the static model has more on its cells: "
+        note += f"a factor of {_factor(found.factor)}"
+        words = _by_factors(newtons, most, f"{_factor(most)} to the limit")
+        return replace(found, passes=most >= 1.0, words=words, note=note, factor=most)
     for error in (static, limit):
         if isinstance(error, NoEquilibriumError | InfeasibleError):
             return Verdict(newtons, False, lower_first(str(error)), limit=most)
     if isinstance(limit, UnboundedError):
-        words = f"{_carries(newtons, passes=True)} and any multiple of it"
+        words = f"it carries {four_digits(newtons)} N and any multiple of it"
         return Verdict(
             newtons, True, words, "neither bending nor splitting of blocks is considered"
         )
     if most is None:
         return Verdict(newtons, False, "no model has an answer", f"{static}; {limit}")
-    words = f"{_carries(newtons, passes=most >= 1.0)} with a factor of {_factor(most)} to the limit"
+    words = _by_factors(newtons, most, f"{_factor(most)} to the limit")
     note = f"limit analysis, which may overestimate; the static model has no answer: {static}"
     return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
 
@@ -104,7 +113,7 @@ def _by_static(newtons: float, static: Static, most: float | None) -> Verdict:
         notes.append(str(static.counts))
     if abs(factor - 1.0) < error * factor:
         notes.append(f"the mesh error of {100.0 * error:.2g} % leaves it open")
-    words = f"{_carries(newtons, passes=factor >= 1.0)} with a factor of {factors}"
+    words = _by_factors(newtons, factor, factors)
     return Verdict(newtons, factor >= 1.0, words, "; ".join(notes), factor, first, peak, most)
 
 
@@ -114,8 +123,11 @@ def _factor(value: float) -> str:
     return next((each for each in shown if each != "1"), "1")
 
 
-def _carries(newtons: float, *, passes: bool) -> str:
-    return f"it {'carries' if passes else 'does not carry'} {four_digits(newtons)} N"
+def _by_factors(newtons: float, factor: float, factors: str) -> str:
+    load = f"{four_digits(newtons)} N"
+    if factor >= 1.0:
+        return f"it carries {load} with a factor of {factors}"
+    return f"it does not carry {load}: its factor is {factors}"
 
 
 def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> str:

@@ -44,7 +44,9 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--density", type=float, help="In kg/m3, of blocks whose material has none.")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
 @click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
-@click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
+@click.option(
+    "--tolerance", type=float, help="Largest gap between faces in contact over the size of a block."
+)
 @click.option("--case", help="Answer in full for one of the file's load cases.")
 @click.option(
     "--reserve",

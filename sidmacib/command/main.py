@@ -27,6 +27,7 @@ from sidmacib.command.joints import (
 from sidmacib.command.options import (
     LOAD,
     Command,
+    format_alone,
     format_option,
     grouped,
     note_option,
@@ -206,7 +207,7 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
 @main.command()
 @joint_options
 @_ratio
-@format_option
+@format_alone
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     """Compute the effect of each size on the first failure.
 

@@ -99,7 +99,7 @@ units_option = grouped(
     expose_value=False,
     help="Units of the columns of the printed answer, such as kN,kNm,mm; SI units without it.",
 )
-_format_alone = grouped(
+format_alone = grouped(
     OUTPUT,
     "--format",
     "form",
@@ -112,7 +112,7 @@ _format_alone = grouped(
 
 def format_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command the format and the units of its printed answer."""
-    return _format_alone(units_option(command))
+    return format_alone(units_option(command))
 
 
 picture_option = grouped(

@@ -345,5 +345,6 @@ def _why_not(structure: DesignProblem, factor: float) -> InfeasibleError | None:
         return None
     return InfeasibleError(
         f"No design found: even with every possible lock, {of} a factor of {reached:.4g} (required "
-        f"{factor:g}). Allow more locks (most), other directions (angles) or a higher cohesion"
+        f"{factor:g}). Allow more locks (most), other directions (angles) or a higher cohesion; if "
+        "the factor stays the same, the blocks overturn, which no locks prevent"
     )

@@ -17,6 +17,7 @@ from sidmacib.mechanics.polygons import Polygon, outline_nodes
 from sidmacib.structure.blocks import Compound, solids_of
 from sidmacib.structure.interfaces import ALONG, NEAR, tangents, touching
 from sidmacib.structure.loads import Permanent
+from sidmacib.validation import refused
 
 LEAST = 1e-9  # of a face's area: smaller regions carry nothing
 Bounds = Mapping[int, tuple[float, float]]  # least and largest coordinate (m) by axis
@@ -60,6 +61,9 @@ def pressing(
     ValueError if no side of a free block is there.
     """
     pieces = assembly.pieces
+    free = [piece.name for piece in pieces if not piece.fixed]
+    if not any(fnmatchcase(name, pattern) for name in free for pattern in sides.blocks):
+        raise refused("blocks", " ".join(sides.blocks), f"names of free blocks, such as {free[0]}")
     found = Permanent.none(len(pieces))
     area = 0.0
     for number, piece in enumerate(pieces):
@@ -76,7 +80,10 @@ def pressing(
                 forces = (pressure(points) * areas)[:, None] * way
                 found += Permanent.of(len(pieces), number, points - piece.centre, forces)
     if not area > 0.0:
-        raise ValueError("no side of a free block that touches nothing looks that way there")
+        raise ValueError(
+            "no free face of these blocks, which no other block covers, looks that way there; "
+            f"faces may differ from side by up to {sides.within:g} degrees (within)"
+        )
     return found
 
 
