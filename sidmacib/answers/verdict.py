@@ -1,8 +1,8 @@
 """Whether a structure carries a load, and by what factor.
 
-The load that counts in the static model decides, or limit analysis where this is lower, as no path
-of loads goes beyond it. Where the static model has no answer limit analysis decides alone, which
-may overestimate, and the words say so. Both models may be asked here, or have been asked by a
+The lower decides of the load that counts in the static model and of limit analysis: the static
+model may overestimate on coarse cells. Where it has no answer limit analysis decides alone, which
+may overestimate too, and the words say so. Both models may be asked here, or have been asked by a
 study.
 """
 
@@ -81,13 +81,12 @@ def verdict(
     """The verdict on a load of ``newtons``, by the answers of both models."""
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
     if not isinstance(static, CapacityError):
-        found = _by_static(newtons, static, most)
-        if most is None or found.factor is None or most >= found.factor * (1.0 - LOWER):
+        found, factor = _by_static(newtons, static, most), static.load / newtons
+        if most is None or most >= factor * (1.0 - LOWER):
             return found
-        note = "limit analysis decides, as the static model has more on its cells: "
-        note += f"a factor of {_factor(found.factor)}"
-        words = _by_factors(newtons, most, f"{_factor(most)} to the limit")
-        return replace(found, passes=most >= 1.0, words=words, note=note, factor=most)
+        note = f"limit analysis decides, as it is lower: the static model has {_factor(factor)}"
+        by_limit = _by_limit(newtons, most, note)
+        return replace(by_limit, first=found.first, peak=found.peak)
     for error in (static, limit):
         if isinstance(error, NoEquilibriumError | InfeasibleError):
             return Verdict(newtons, False, lower_first(str(error)), limit=most)
@@ -98,8 +97,12 @@ def verdict(
         )
     if most is None:
         return Verdict(newtons, False, "no model has an answer", f"{static}; {limit}")
-    words = _by_factors(newtons, most, f"{_factor(most)} to the limit")
     note = f"limit analysis, which may overestimate; the static model has no answer: {static}"
+    return _by_limit(newtons, most, note)
+
+
+def _by_limit(newtons: float, most: float, note: str) -> Verdict:
+    words = _by_factors(newtons, most, f"{_factor(most)} to the limit")
     return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
 
 

@@ -45,7 +45,9 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
 @click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
 @click.option(
-    "--tolerance", type=float, help="Largest gap between faces in contact over the size of a block."
+    "--tolerance",
+    type=float,
+    help="Largest gap of faces that touch, over the size of a block: 0.006.",
 )
 @click.option("--case", help="Answer in full for one of the file's load cases.")
 @click.option(

@@ -38,6 +38,7 @@ from sidmacib.rule.reliability import (
     Scatter,
     characteristic,
     design_resistance,
+    log_deviation,
 )
 from sidmacib.scene.page import rendered
 
@@ -197,7 +198,7 @@ def _fractile(case: Case, found: Characteristic) -> dict[str, float]:
     state = first_failure(weakened(case.joint, found.margin), loading)
     scatter = Scatter(state.load, state.utilisation / found.margin, variation)
     return {
-        "deviation": math.sqrt(math.log1p(variation**2)),
+        "deviation": log_deviation(variation),
         "survival": scatter.survival(state.load),
         "load": found.capacity.load,
         "margin": found.margin,

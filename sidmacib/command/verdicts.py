@@ -108,8 +108,10 @@ def _stands(found: Reserve) -> str:
         words += f", with a geometrical safety factor of {found.factor:.3g}"
     push = found.least
     if push is None:
-        words += "; no horizontal acceleration fells it in limit analysis, where sliding blocks "
-        words += "dilate and may wedge: a load of acceleration asks the static model as well"
+        words += (
+            "; no horizontal acceleration fells it in limit analysis, which wedges blocks that "
+        )
+        words += "slide; for the static model's answer, give an acceleration as the load"
     else:
         tilt = "" if push.tilt is None else f", a tilt of {push.tilt:.3g} degrees"
         words += f"; it falls at {push.acceleration:.3g} g towards {_way(push)}{tilt}"

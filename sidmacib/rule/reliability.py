@@ -65,7 +65,7 @@ class Scatter:
         if load <= 0.0:
             return 1.0
         loaded = self.utilisation[self.utilisation > 0.0]
-        needed, deviation = loaded * load / self.load, _deviation(self.variation)
+        needed, deviation = loaded * load / self.load, log_deviation(self.variation)
         standard = (np.log(needed) + deviation**2 / 2.0) / deviation  # normal variable
         return float(np.exp(norm.logsf(standard).sum()))
 
@@ -80,11 +80,11 @@ class Scatter:
         def beyond(logarithm: float) -> float:
             return self.survival(self.load * math.exp(logarithm)) - (1.0 - share)
 
-        wide = WIDEST * _deviation(self.variation) + LEAST_WIDTH
+        wide = WIDEST * log_deviation(self.variation) + LEAST_WIDTH
         return float(self.load * math.exp(brentq(beyond, -wide, wide, xtol=1e-10)))
 
 
-def _deviation(variation: float) -> float:
+def log_deviation(variation: float) -> float:
     """Standard deviation of the logarithm of a strength with this coefficient of ``variation``."""
     return math.sqrt(math.log1p(variation**2))
 
@@ -173,7 +173,7 @@ def characteristic(
     if beyond(margin) < 0.0:
         # Suffices even where all locks are loaded to their strength.
         share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / joint.locks)
-        deviation = _deviation(variation)
+        deviation = log_deviation(variation)
         most = 1.01 / math.exp(deviation * float(norm.ppf(share)) - deviation**2 / 2.0)
         margin = float(brentq(held, 1.0, most, xtol=ROUNDING, rtol=ROUNDING))
         if abs(held(margin)) > NEAR:

@@ -61,14 +61,15 @@ def pressing(
     ValueError if no side of a free block is there.
     """
     pieces = assembly.pieces
-    free = [piece.name for piece in pieces if not piece.fixed]
-    if not any(fnmatchcase(name, pattern) for name in free for pattern in sides.blocks):
-        raise refused("blocks", " ".join(sides.blocks), f"names of free blocks, such as {free[0]}")
+    free = [number for number, piece in enumerate(pieces) if not piece.fixed]
+    chosen = [n for n in free if any(fnmatchcase(pieces[n].name, each) for each in sides.blocks)]
+    if not chosen:
+        allowed = f"names of free blocks, such as {pieces[free[0]].name}"
+        raise refused("blocks", " ".join(sides.blocks), allowed)
     found = Permanent.none(len(pieces))
     area = 0.0
-    for number, piece in enumerate(pieces):
-        if piece.fixed or not any(fnmatchcase(piece.name, name) for name in sides.blocks):
-            continue
+    for number in chosen:
+        piece = pieces[number]
         covers = _covers(assembly, number, near)
         for solid in solids_of(piece):
             for corners, normal in zip(solid.outlines, solid.normals, strict=True):
@@ -81,8 +82,7 @@ def pressing(
                 found += Permanent.of(len(pieces), number, points - piece.centre, forces)
     if not area > 0.0:
         raise ValueError(
-            "no free face of these blocks, which no other block covers, looks that way there; "
-            f"faces may differ from side by up to {sides.within:g} degrees (within)"
+            f"no free face of these blocks looks that way there, within {sides.within:g} degrees"
         )
     return found
 
