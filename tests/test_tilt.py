@@ -17,8 +17,8 @@ from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import (
     Motion,
     Tilt,
+    kind_of_motion,
     load_of_tilt,
-    motion_of,
     moves_most,
     static_tilt,
     tilt_of_load,
@@ -52,7 +52,7 @@ def test_tall_blocks_overturn_at_b_over_h(axis: tuple[float, float, float], widt
     assert found.motion is Motion.ROCKING
     assert limit.angle == pytest.approx(degrees(width), rel=1e-6)
     assert limit.mechanism is not None
-    assert motion_of(model, limit.mechanism) is Motion.ROCKING
+    assert kind_of_motion(model, limit.mechanism) is Motion.ROCKING
     assert moves_most(model, limit.mechanism) == "block"
 
 

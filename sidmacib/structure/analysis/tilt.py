@@ -21,7 +21,7 @@ import numpy as np
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector, rotated
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static import INCREMENT, brittle_path
@@ -163,7 +163,7 @@ def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
     if found.by_bonds:
         return StaticTilt(found.first_failure_load, to_peak, Motion.BONDS, None)
     mechanism = solver.mechanism(found.path[-1])
-    motion = motion_of(assembly, mechanism)
+    motion = kind_of_motion(assembly, mechanism)
     return StaticTilt(found.first_failure_load, to_peak, motion, mechanism)
 
 
@@ -197,7 +197,7 @@ class _Turning:
 
     def mechanism(self, point: Equilibrium) -> Floats:
         """Motions of the pieces beyond the last equilibrium, (P, 6), see `StaticTilt`."""
-        units = np.tile([1.0] * 3 + [self.assembly.length] * 3, len(point.unknowns) // 6)
+        units = row_units(self.assembly)
         loose = LOOSE * float(np.abs(point.unknowns * units).max())
         largest, found = 0.0, np.zeros_like(point.unknowns)
         for excess in BEYOND:  # as the solver may not move at all from one of them
@@ -207,12 +207,10 @@ class _Turning:
                 largest, found = size, motion / size
             if size > loose:
                 break
-        moved = np.zeros(6 * len(self.assembly.pieces))
-        moved[free_rows(self.assembly)] = found
-        return moved.reshape(-1, 6)
+        return motion_of(self.assembly, found)
 
 
-def motion_of(assembly: Assembly, mechanism: Floats) -> Motion:
+def kind_of_motion(assembly: Assembly, mechanism: Floats) -> Motion:
     """Whether blocks that move as a ``mechanism``, (P, 6), slide or rock."""
     apart = (equilibrium_matrix(assembly).T @ mechanism.ravel()).reshape(-1, 3)
     opening, sliding = -apart[:, 0], np.hypot(apart[:, 1], apart[:, 2])
