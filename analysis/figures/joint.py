@@ -23,6 +23,7 @@ from sidmacib.mechanics.assembly import Rectangle as FaceRectangle
 X, Y, Z = range(3)
 TEXT = 8.0  # points, of all that is written in a map
 MOST_ARROWS = 5  # along each side of a face
+PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}  # behind words
 
 
 def joint(material: FigureData) -> Figure:
@@ -51,8 +52,9 @@ def joint(material: FigureData) -> Figure:
     below.plot((-0.16 * width, 1.02 * width), (0.0, 0.0), color=BLACK, lw=0.6, ls="-.", zorder=1.5)
     below.text(1.03 * width, 0.0, "middle", va="center", fontsize=8)
     _torque(below, (width / 2.0, 0.0), 0.36 * MM * drawn.a)
-    side.set_title("from the side", loc="left", fontsize=10)
-    below.set_title("locks from below", loc="left", fontsize=10)
+    # Beside the views: above them, lines of names would cross the words.
+    side.text(-0.4 * width, bottom / 2.0, "from\nthe side", va="center", fontsize=9)
+    below.text(-0.4 * width, -0.3 * MM * drawn.a, "locks\nfrom below", va="center", fontsize=9)
     right, centre = 1.16 * width, MM * drawn.b
     _size(side, (right, MM * drawn.h, top), f"H = {MM * drawn.H:g}")
     _size(side, (right, 0.0, MM * drawn.h), f"h = {MM * drawn.h:g}")
@@ -83,7 +85,8 @@ def _torque(axes: Axes, middle: tuple[float, float], radius: float) -> None:
     ends = [(middle[0] + radius * sign, middle[1] - 0.6 * radius) for sign in (-1.0, 1.0)]
     look = {"arrowstyle": "-|>", "connectionstyle": "arc3,rad=-0.5", "color": VERMILION, "lw": 1.5}
     axes.annotate("", ends[0], ends[1], arrowprops={**look, "shrinkA": 0, "shrinkB": 0})
-    axes.text(ends[1][0], ends[1][1], "  M = V e", color=VERMILION, fontsize=9, va="center")
+    place = ends[1][0] + 0.15 * radius, ends[1][1]
+    axes.text(*place, "M = V e", color=VERMILION, fontsize=9, va="center", bbox=PLATE)
 
 
 def _name(axes: Axes, words: str, face: tuple[float, float], place: tuple[float, float]) -> None:
@@ -117,7 +120,7 @@ def _draw(axes: Axes, joint: Joint, plane: tuple[int, int]) -> None:
                 ha="center",
                 va="center",
                 fontsize=8,
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8},
+                bbox=PLATE,
             )
     axes.autoscale_view()
 
