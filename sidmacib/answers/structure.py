@@ -1,10 +1,11 @@
 """What the static model answers for a structure, and which of its loads counts.
 
 It is solved on the cells of the file and on cells of half the size. Where no bond fails before the
-peak, the peak counts. Where one does, how far the peak moves from one mesh to another says little
-of how far it still will: it counts only if three meshes agree on it, the third with cells of a
-quarter of the size, on which the lowest peak is sought. Otherwise the first failure counts, which
-hardly depends on the mesh.
+peak, the peak counts, and cells are halved until its mesh error is small: a face on few cells
+resists twisting by more friction than it has. Where a bond does fail before, how far the peak moves
+from one mesh to another says little of how far it still will: it counts only if three meshes agree
+on it, the third with cells of a quarter of the size, on which the lowest peak is sought. Otherwise
+the first failure counts, which hardly depends on the mesh.
 
 The model knows no crushing: `sidmacib.answers.structure_crushing` adds it.
 """
@@ -31,7 +32,8 @@ if TYPE_CHECKING:
     from sidmacib.mechanics.limit import LimitState
 
 HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
-MOST_NODES = 6000  # on cells of a quarter: more take too much time and memory
+MOST_NODES = 6000  # on smaller cells than half: more take too much time and memory
+SMALL = 0.02  # mesh error of a peak before which no bond fails, over the peak: cells are not halved
 SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
 CRUSHING = "crushing"  # the mode where it limits the load
 NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the peak"
@@ -119,12 +121,26 @@ def uncrushed_answer(problem: Problem) -> StaticAnswer:
     found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)
-    if not bond_fails(found[HALF].failures):
+    _refine(problem, found)
+    if not bond_fails(found[max(found)].failures):
         return _answer(found, Counts(peak=True, why=NO_BOND))
     why = _doubt(problem, found)
     if why and not found[max(found)].failures.first > 0.0:
         raise CapacityError(f"bonds fail under its own weight alone, and {why}")
     return _answer(found, Counts(peak=not why, why=why or AGREE))
+
+
+def _refine(problem: Problem, found: dict[int, FollowedPath]) -> None:
+    """Add paths on smaller cells to those ``found`` as long as the peak depends on the cells."""
+    while not bond_fails(found[max(found)].failures):
+        error, divided = _mesh_errors(found).peak, 2 * max(found)
+        smaller = refined(problem.assembly, divided)
+        if error is None or error <= SMALL or len(smaller.nodes.area) > MOST_NODES:
+            return
+        try:
+            found[divided] = _followed(smaller, problem.loads)
+        except UnsettledError:
+            return
 
 
 def _doubt(problem: Problem, found: dict[int, FollowedPath]) -> str:
