@@ -114,6 +114,9 @@ def test_engines_are_compared_with_the_static_model_on_their_own_cells() -> None
     row = table.set_index("model").loc["yade"]
     assert row["static_load_N"] == static.part.given_first_failure_N
     assert row["difference_to_static"] == pytest.approx(416.0 / row["static_load_N"] - 1.0)
+    part = static.part  # whose load is of smaller cells
+    off = abs(part.given_first_failure_N / static.first_failure_load_N - 1.0)
+    assert row["mesh_error"] == pytest.approx(part.first_failure_mesh_error + off) > 0.0
 
 
 @pytest.mark.parametrize(("first", "counts"), [(400.0, FIRST_FAILURE), (None, PEAK)])

@@ -12,6 +12,7 @@ from sidmacib.answers.supports import support_answers
 from sidmacib.answers.verdict import Verdict, governing, verdict
 from sidmacib.engines.curve import yade_answer
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mesh_error import DIGITS
 from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures, Problem
 from sidmacib.structure.analysis.rows import most_used
@@ -54,26 +55,38 @@ def structures_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
 def counted(record: StructureRecord, static: StructureRecord | None) -> StructureRecord:
     """The ``record`` of an engine with the load that counts by the ``static`` model.
 
-    An engine has one mesh, which shows nothing of how far its peak depends on it.
+    An engine has one mesh, which shows nothing of how far its peak depends on it: its mesh errors
+    are those of the static model on the same cells.
     """
     if record.peak_N is None or record.part.counts is not None:
         return record
     failures = Failures(record.first_failure_load_N or record.peak_N, record.peak_N)
-    known = None if static is None else static.part
-    if known is not None and known.counts is not None:
+    if static is not None and (known := static.part).counts is not None:
         counts = Counts(known.counts == PEAK, known.because or "")
-        errors = known.mesh_error, known.first_failure_mesh_error
+        first = _on_given(
+            known.first_failure_mesh_error, known.given_first_failure_N, static.first_failure_load_N
+        )
+        error = (
+            _on_given(known.mesh_error, known.given_peak_N, static.peak_N) if counts.peak else first
+        )
     else:
         counts = without_other_meshes(failures)
-        errors = None, None
+        error = first = None
     part = replace(
         record.part,
         counts=counts.name,
         because=counts.why,
-        mesh_error=errors[0],
-        first_failure_mesh_error=errors[1],
+        mesh_error=error,
+        first_failure_mesh_error=first,
     )
     return replace(record, load_N=counting(failures, counts), part=part)
+
+
+def _on_given(error: float | None, given: float | None, finest: float | None) -> float | None:
+    """The mesh error on the cells of the file, from the one on the smallest cells."""
+    if error is None or not given or not finest:
+        return None
+    return round(error + abs(given / finest - 1.0), DIGITS)
 
 
 def _compared(record: StructureRecord, static: StructureRecord | None) -> float | None:
