@@ -17,9 +17,12 @@ from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
 from sidmacib.answers.structure import SETTLED, static_answer, without_other_meshes
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
+from sidmacib.mechanics.static import static_peak
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
+from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.structure.structure import refined
 from workflow.case import Case, StructureSubject
 from workflow.results import Record, record_without_result
 from workflow.results.structure_part import StructureRecord
@@ -73,6 +76,52 @@ def test_a_peak_behind_broken_bonds_counts_where_three_meshes_agree() -> None:
 def test_a_peak_without_broken_bonds_counts() -> None:
     answer = static_answer(structure_of(FILES["dry wall"]))
     assert answer.counts == Counts(peak=True, why="no bond fails before the peak")
+
+
+GROUND = {"low": [-3, -3, -0.3], "high": [5, 5, 0], "fixed": True}
+TWISTED = {  # meshes of 1, 2 and 4 cells give one load, and one of 24 cells a lower one
+    "force": {  # rocks about a corner; by 7 % lower
+        "blocks": {
+            "ground": GROUND,
+            "b0": {"low": [-0.493, -0.089, 0.0], "high": [0.311, 0.236, 0.325]},
+            "b1": {"low": [-0.303, -0.214, 0.325], "high": [0.231, 0.309, 1.180]},
+            "b2": {"low": [-0.346, -0.339, 1.180], "high": [0.213, 0.169, 1.752]},
+        },
+        "interfaces": {"friction": 0.7227},
+        "load": {
+            "force": {"block": "b2", "at": [0.039, 0.468, 1.528], "direction": [0.68, -0.74, 0.13]}
+        },
+    },
+    "tilt": {  # slides, turned by a weight on one side; by 5 % lower
+        "blocks": {
+            "ground": GROUND,
+            "b0": {"low": [-0.303, -0.36, 0.0], "high": [0.429, 0.224, 0.592]},
+            "b1": {"low": [-0.563, -0.43, 0.592], "high": [0.383, 0.495, 1.36]},
+        },
+        "interfaces": {"friction": 0.56},
+        "permanent": [
+            {
+                "force": {
+                    **{"block": "b1", "at": [0.167, 0.247, 1.36], "direction": [0, 0, -1]},
+                    "newtons": 2287,
+                }
+            }
+        ],
+        "load": {"tilt": {"axis": [0.139, -0.99, 0]}},
+    },
+}
+
+
+@pytest.mark.parametrize("name", TWISTED)
+def test_meshes_that_agree_by_chance_are_found_by_limit_analysis(name: str) -> None:
+    problem = structure_of(TWISTED[name])
+    found, fine = static_answer(problem), refined(problem.assembly, 24)
+    if name == "tilt":
+        expected = static_tilt(fine, Tilt.of(problem.loads)).angle
+    else:
+        expected = static_peak(fine, problem.loads).peak.load
+    assert found.load == pytest.approx(expected, rel=0.006)
+    assert found.load < 0.96 * found.given.peak
 
 
 def test_a_structure_that_falls_alone_is_said_to(tmp_path: Path) -> None:

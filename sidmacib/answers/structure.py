@@ -2,21 +2,26 @@
 
 It is solved on the cells of the file and on cells of half the size. Where no bond fails before the
 peak, the peak counts, and cells are halved until its mesh error is small: a face on few cells
-resists twisting by more friction than it has. Where a bond does fail before, how far the peak moves
-from one mesh to another says little of how far it still will: it counts only if three meshes agree
-on it, the third with cells of a quarter of the size, on which the lowest peak is sought. Otherwise
-the first failure counts, which hardly depends on the mesh.
+resists twisting by more friction than it has. Limit analysis bounds what dry blocks carry, and
+shows where two meshes agree by chance: the lower of the two counts.
 
-The model knows no crushing: `sidmacib.answers.structure_crushing` adds it.
+Where a bond does fail before the peak, how far that moves from one mesh to another says little of
+how far it still will: it counts only if three meshes agree on it, the third with cells of a quarter
+of the size, on which the lowest peak is sought. Otherwise the first failure counts, which hardly
+depends on the mesh.
+
+`sidmacib.answers.structure_crushing` adds limit analysis, and with it crushing, of which the static
+model knows nothing.
 """
 
 import importlib
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnsettledError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import static_peak
@@ -104,24 +109,29 @@ def static_answer(
 ) -> StaticAnswer:
     """The answer of the static model for a structure, as a `Problem` on the cells of its file.
 
-    ``limit``: of limit analysis, if it is known, which decides where blocks are crushed.
+    ``limit``: of limit analysis, if it is known, which bounds blocks that are dry or are crushed.
     `CapacityError` if it has none; `NoEquilibriumError` in the words of `DOES_NOT_STAND`.
     """
     with naming_permanent(problem.loads):
-        if not crushed_faces(problem.assembly):
-            return uncrushed_answer(problem)
+        crushed = crushed_faces(problem.assembly)
+        if not crushed and any(face.kind is not Kind.DRY for face in problem.assembly.faces):
+            return unbounded_answer(problem)
         # Imported here, as following a path loads no solver of programmes.
         crushing = importlib.import_module("sidmacib.answers.structure_crushing")
-        answer: StaticAnswer = crushing.with_crushing(problem, limit)
+        bounded = crushing.with_crushing if crushed else crushing.bounded
+        answer: StaticAnswer = bounded(problem, limit)
         return answer
 
 
-def uncrushed_answer(problem: Problem) -> StaticAnswer:
-    """The answer for blocks that no pressure crushes; errors of `static_answer`."""
+def unbounded_answer(problem: Problem, most: float = math.inf) -> StaticAnswer:
+    """The answer without limit analysis; errors of `static_answer`.
+
+    ``most``: a load (N or degrees) that the peak on small cells should not exceed by far.
+    """
     found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)
-    _refine(problem, found)
+    _refine(problem, found, most)
     if not bond_fails(found[max(found)].failures):
         return _answer(found, Counts(peak=True, why=NO_BOND))
     why = _doubt(problem, found)
@@ -130,12 +140,17 @@ def uncrushed_answer(problem: Problem) -> StaticAnswer:
     return _answer(found, Counts(peak=not why, why=why or AGREE))
 
 
-def _refine(problem: Problem, found: dict[int, FollowedPath]) -> None:
-    """Add paths on smaller cells to those ``found`` as long as the peak depends on the cells."""
-    while not bond_fails(found[max(found)].failures):
+def _refine(problem: Problem, found: dict[int, FollowedPath], most: float) -> None:
+    """Add paths on smaller cells to those ``found`` as long as the peak depends on the cells.
+
+    It does if it is above ``most``.
+    """
+    while not bond_fails((last := found[max(found)]).failures):
         error, divided = _mesh_errors(found).peak, 2 * max(found)
+        if error is None or (error <= SMALL and last.failures.peak <= (1.0 + SMALL) * most):
+            return
         smaller = refined(problem.assembly, divided)
-        if error is None or error <= SMALL or len(smaller.nodes.area) > MOST_NODES:
+        if len(smaller.nodes.area) > MOST_NODES:
             return
         try:
             found[divided] = _followed(smaller, problem.loads)

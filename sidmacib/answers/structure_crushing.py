@@ -1,10 +1,12 @@
-"""What crushing takes from the static model's answer for a structure.
+"""What limit analysis takes from the static model's answer for a structure.
 
-The model follows elastic interfaces that no pressure crushes. As long as their resultants satisfy
-the limits of `sidmacib.mechanics.crushing`, its path is that of blocks that can be crushed. Beyond,
-the parts of interfaces that are crushed yield, and forces go elsewhere, which limit analysis finds:
-the lower of its load and the model's is the capacity. Where forces can go nowhere else, crushing
-begins at the limit load.
+It bounds what dry blocks carry. A peak above it is one on cells that are too large.
+
+Crushing: the model follows elastic interfaces that no pressure crushes. As long as their
+resultants satisfy the limits of `sidmacib.mechanics.crushing`, its path is that of blocks that can
+be crushed. Beyond, the parts of interfaces that are crushed yield, and forces go elsewhere, which
+limit analysis finds: the lower of its load and the model's is the capacity. Where forces can go
+nowhere else, crushing begins at the limit load.
 """
 
 import math
@@ -17,11 +19,13 @@ from scipy.optimize import bisect
 
 from sidmacib.answers.structure import (
     CRUSHING,
+    SMALL,
     StaticAnswer,
-    uncrushed_answer,
+    unbounded_answer,
     without_other_meshes,
 )
 from sidmacib.answers.structure_limit import limit_state
+from sidmacib.answers.verdict import LOWER
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import NodeState
@@ -31,13 +35,39 @@ from sidmacib.mechanics.solution import Equilibrium, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
+from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt, short_of
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.structure import refined
 
 BEYOND = 1.001  # over the limit load: where a path ends that has no other end
 NOT_CRUSHED = "no interface is crushed"
 PRECISION = 1e-6  # of where crushing begins between two equilibria
+
+
+def bounded(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+    """The answer for dry blocks that no pressure crushes; ``limit``: as for `with_crushing`."""
+    answer = unbounded_answer(problem)
+    most = _bound(problem, answer.load, limit)
+    if answer.load > (1.0 + SMALL) * most:
+        answer = unbounded_answer(problem, most)
+    if not most < (1.0 - LOWER) * answer.load:
+        return answer
+    why = f"limit analysis is lower; the static model alone: {_told(problem, answer.load)}"
+    return _limited(problem, answer, most, why)
+
+
+def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:
+    """The load (N or degrees) of limit analysis, if it is below ``load``; else no bound."""
+    assembly, loads = problem
+    try:
+        if loads.axis is None:
+            return _limit_load(problem, limit)
+        tilt = Tilt.of(loads)
+        if short_of(assembly, tilt, (1.0 - LOWER) * load) is not None:
+            return limit_tilt(assembly, tilt).angle
+    except CapacityError:
+        pass
+    return math.inf
 
 
 def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
@@ -47,7 +77,7 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
     """
     unlimited = False
     try:
-        answer = uncrushed_answer(problem)
+        answer = unbounded_answer(problem)
     except UnboundedError as error:
         answer, unlimited = _as_far_as(problem, _limit_load(problem, limit), error), True
     begins = crushing_begins(answer.assembly, answer.path)
@@ -62,18 +92,19 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
     if most >= answer.load:
         return _because(answer, words)
     more = "any load" if unlimited else _told(problem, answer.load)
+    why = f"limited by crushing in limit analysis; {words}; without crushing {more}"
+    limited = _limited(problem, answer, most, why)
+    return replace(limited, given=_at_most(answer.given, most), mode=CRUSHING, mechanism=None)
+
+
+def _limited(problem: Problem, answer: StaticAnswer, most: float, why: str) -> StaticAnswer:
+    """The ``answer`` up to the load ``most`` of limit analysis; ``why`` it is what counts."""
     return replace(
         answer,
         failures=_at_most(answer.failures, most),
-        given=_at_most(answer.given, most),
         mesh_errors=MeshErrors(answer.mesh_errors.first, limit_mesh_error(problem, most)),
-        counts=Counts(
-            peak=True,
-            why=f"limited by crushing in limit analysis; {words}; without crushing {more}",
-        ),
+        counts=Counts(peak=True, why=why),
         path=_up_to(answer.path, most),
-        mode=CRUSHING,
-        mechanism=None,
     )
 
 

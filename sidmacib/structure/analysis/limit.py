@@ -84,15 +84,15 @@ def _by_scan(assembly: Assembly, tilt: Tilt) -> LimitTilt:
         low, high = high, high + SCAN
         if high > LARGEST:
             return LimitTilt(LARGEST)
-        state = _short_of(assembly, tilt, high)
+        state = short_of(assembly, tilt, high)
     while high - low > LIMIT_PRECISION:
         middle = (low + high) / 2
-        found = _short_of(assembly, tilt, middle)
+        found = short_of(assembly, tilt, middle)
         low, high, state = (middle, high, state) if found is None else (low, middle, found)
     return LimitTilt(low, state.mechanism)
 
 
-def _short_of(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
+def short_of(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
     """The limit state on the way from upright gravity to that at ``angle``; None if it gets there.
 
     The way is straight. It leads to ``angle`` if that has admissible forces, as the directions and
