@@ -200,7 +200,7 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> Foll
             raise
         unit = "N" if loads.axis is None else "degrees"
         up_to = f"there is equilibrium up to {four_digits(error.load)} {unit}"
-        raise CapacityError(f"{error}; {up_to}") from None
+        raise UnsettledError(f"{error}; {up_to}") from None
     failures = Failures(float(found.first_failure_load), float(found.peak.load))
     spread = found.spread if lowest else None
     return FollowedPath(assembly, failures, found.path, str(found.mode), spread=spread)
