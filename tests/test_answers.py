@@ -16,7 +16,7 @@ from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
 from sidmacib.answers.structure import SETTLED, static_answer, without_other_meshes
-from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.static import static_peak
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
@@ -137,6 +137,24 @@ def test_a_structure_that_falls_alone_is_said_to(tmp_path: Path) -> None:
     found = run("assembly", str(path), "--format", "json")
     assert found.exit_code == 1
     assert json.loads(found.stdout)[-1]["note"] == DOES_NOT_STAND
+
+
+def test_a_peak_at_which_blocks_turn_further_on_each_mesh_does_not_count() -> None:
+    """Three meshes agree on 340.7 N, on which a block leans on its corner; on 8 cells it is 153 N.
+
+    As equilibria count up to a rotation of 2 degrees, which it reaches on smaller cells.
+    """
+    blocks = {
+        "ground": GROUND,
+        "b0": {"low": [-0.288, -0.269, 0.0], "high": [0.096, 0.092, 0.855]},
+        "b1": {"low": [-0.542, -0.35, 0.855], "high": [0.419, 0.497, 1.415]},
+        "b2": {"low": [-0.421, -0.288, 1.415], "high": [0.431, 0.48, 2.086]},
+    }
+    weak = {"friction": 0.5134, "cohesion": 4312, "tensile_strength": 2083}
+    aside = {"block": "b2", "at": [0.203, 0.194, 1.587], "direction": [0.864, 0.504, -0.123]}
+    given = {"blocks": blocks, "interfaces": weak, "load": {"force": aside}}
+    with pytest.raises(CapacityError, match="alone, and blocks turn further at the peak on each"):
+        static_answer(structure_of(given))
 
 
 # --- engines -------------------------------------------------------------------------------------
