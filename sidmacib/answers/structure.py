@@ -182,13 +182,21 @@ def _unsettled(found: Mapping[int, FollowedPath]) -> str:
         return "the peak is 0 on one of the meshes"
     if error > SETTLED:
         return f"peak not converged (its mesh error: {100.0 * error:.0f} %)"
-    if QUARTER in found:
-        # From mesh to mesh rotations grow by a factor where a block leans on a corner: on the next
-        # one, the load may be lower by far, as no equilibrium counts where they are large.
-        half, quarter = (found[divided].path[-1].rotation for divided in (HALF, QUARTER))
-        if quarter**2 > MOST_ROTATION * half:
-            return "blocks turn further at the peak on each smaller mesh"
+    if QUARTER in found and _turned(found, error):
+        return "blocks turn further on each smaller mesh"
     return ""
+
+
+def _turned(found: Mapping[int, FollowedPath], error: float) -> bool:
+    """Whether rotations may end the path on the next mesh, below the peak by over its ``error``.
+
+    No equilibrium counts in which they are large, and where a block leans on a corner they grow
+    from mesh to mesh by a factor.
+    """
+    half, path = found[HALF].path[-1].rotation, found[QUARTER].path
+    most = MOST_ROTATION * half / max(path[-1].rotation, half)
+    reached = max((point.load for point in path if point.rotation <= most), default=0.0)
+    return reached < (1.0 - error) * path[-1].load
 
 
 def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> FollowedPath:
