@@ -24,7 +24,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Outcome, Problem
-from sidmacib.structure.analysis.capacity_curve import capacity_curve
+from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, support_moves

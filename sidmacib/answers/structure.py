@@ -21,9 +21,9 @@ from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.mesh_error import structure_mesh_errors
 from sidmacib.problem import Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.mesh_error import structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined

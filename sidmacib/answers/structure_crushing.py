@@ -21,7 +21,6 @@ from sidmacib.answers.structure import (
     uncrushed_answer,
     without_other_meshes,
 )
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import NodeState
@@ -31,7 +30,7 @@ from sidmacib.mechanics.solution import Equilibrium, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
+from sidmacib.structure.analysis.limit import limit_mesh_error, limit_state, limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.structure import refined
 

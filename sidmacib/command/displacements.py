@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sidmacib.answers.supports import joints_in_words, support_answers
 from sidmacib.command.answers import Row
 from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.capacity_curve import capacity_curve
+from sidmacib.structure.analysis.kinematics import capacity_curve
+from sidmacib.structure.analysis.supports import joints_in_words, support_answers
 from sidmacib.structure.loads import SupportMotion, free_weight
 
 if TYPE_CHECKING:

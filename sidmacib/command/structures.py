@@ -7,7 +7,6 @@ from typing import Any
 import click
 
 from sidmacib.answers.structure import StaticAnswer, static_answer
-from sidmacib.answers.structure_limit import assumes, limit_state
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.crushing import crushing_use
@@ -16,7 +15,7 @@ from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import interface_forces
-from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
+from sidmacib.structure.analysis.limit import assumes, limit_mesh_error, limit_state, limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.loads import load_warnings

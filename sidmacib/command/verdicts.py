@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from sidmacib.answers.structure import StaticAnswer
-from sidmacib.answers.structure_reserve import Reserve, reserve
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all, verdict
 from sidmacib.command.answers import Row
 from sidmacib.command.structures import Tell, limit_of, static_of, structure_rows, telling
@@ -13,7 +12,7 @@ from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.reserve import Push
+from sidmacib.structure.analysis.reserve import Push, Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand
 from sidmacib.validation import refused
