@@ -26,8 +26,7 @@ from small import TWO_MESHES
 from structures import WITH_STRUCTURES
 
 from sidmacib import Assembly, FaceMaterial, Joint, Loading, Loads, NodeLayout
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.pieces import lock_faces, shared_face

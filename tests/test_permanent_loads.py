@@ -16,7 +16,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.models import structure_limit, structure_static
-from sidmacib.scene.loads import arrows_of, load_of
+from sidmacib.scene.forces import arrows_of, load_of
 from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt

@@ -14,9 +14,8 @@ from structures import dry, moved
 from test_capacity_curve import wall
 from test_supports import HalfArch, semicircle, two_spans
 
-from sidmacib.engines import ENGINES
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.curve import engine_curve, engine_support_path
-from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
 from sidmacib.engines.run import EngineNoAnswerError, engine_outcome

@@ -15,7 +15,7 @@ from sidmacib.command.structures import limit_of, static_of, structure_notes
 from sidmacib.command.verdicts import demanded_rows
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.limit import LimitState
-from sidmacib.scene.loads import arrows_of
+from sidmacib.scene.forces import arrows_of
 from sidmacib.structure.files.structure_file import Demand, demands_of
 
 KEPT = 64  # structures that are not computed again

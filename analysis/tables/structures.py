@@ -14,7 +14,7 @@ from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, 
 from sidmacib.mesh_error import DIGITS
 from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures, Problem
-from sidmacib.structure.analysis.rows import most_used
+from sidmacib.structure.analysis.forces import most_used
 from sidmacib.structure.analysis.supports import support_answers
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.loads import SupportMotion

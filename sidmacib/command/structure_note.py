@@ -15,10 +15,9 @@ from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece
 from sidmacib.mechanics.crushing import crushed_faces, strength_of
 from sidmacib.quantities import some_of
 from sidmacib.scene.drawn import Drawn
-from sidmacib.scene.loads import load_of
+from sidmacib.scene.forces import load_of, total
 from sidmacib.scene.page import rendered
 from sidmacib.scene.picture import picture
-from sidmacib.scene.sections import total
 from sidmacib.structure.blocks import solids_of
 
 TEMPLATE = Path(__file__).with_name("structure_note.html.j2")

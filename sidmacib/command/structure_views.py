@@ -16,7 +16,7 @@ from sidmacib.models import MODELS, structure_limit, structure_static
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, number_of
 from sidmacib.scene.drawn import Drawn
-from sidmacib.scene.loads import arrows_of, load_of
+from sidmacib.scene.forces import arrows_of, load_of
 from sidmacib.scene.page import page
 from sidmacib.scene.solids import shape_of, with_condensed_locks
 from sidmacib.structure.loads import free_weight

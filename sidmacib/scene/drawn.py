@@ -8,9 +8,8 @@ from typing import Any
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.problem import Outcome, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.scene.loads import arrows_of
-from sidmacib.scene.sections import Reaction, forces_of, reactions, thrust
-from sidmacib.structure.analysis.rows import (
+from sidmacib.scene.forces import Reaction, arrows_of, forces_of, reactions, thrust
+from sidmacib.structure.analysis.forces import (
     BlockRow,
     InterfaceRow,
     block_rows,
@@ -53,7 +52,7 @@ class Drawn:
 
     @cached_property
     def thrust(self) -> list[list[dict[str, Any]]]:
-        """Lines of thrust at the load that counts, see `sidmacib.scene.sections.thrust`."""
+        """Lines of thrust at the load that counts, see `sidmacib.scene.forces.thrust`."""
         return thrust(self.assembly, self.interfaces)
 
     @property
