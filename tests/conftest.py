@@ -32,7 +32,7 @@ from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.pieces import lock_faces, shared_face
 from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, self_weight
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.newton.equilibrium import put_at
+from sidmacib.mechanics.newton import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
 from workflow import engine as engine_step

@@ -23,7 +23,7 @@ from sidmacib.mechanics.equilibrium import (
     natural_frequencies,
     wrenches,
 )
-from sidmacib.mechanics.newton.equilibrium import solve_linear
+from sidmacib.mechanics.newton import solve_linear
 from sidmacib.mechanics.newton.faces import tangent_stiffness
 from sidmacib.mechanics.rigid import RigidSolver, ordering
 

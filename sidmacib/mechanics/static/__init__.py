@@ -66,7 +66,7 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
         raise CapacityError(reason)
     if assembly.elastic:
         # Imported here: finite elements take longer to import than most joints to solve.
-        elastic = importlib.import_module("sidmacib.mechanics.elastic.solver")
+        elastic = importlib.import_module("sidmacib.mechanics.elastic")
         return elastic.ElasticSolver(assembly, loads)
     return RigidSolver(assembly, loads)
 
