@@ -13,13 +13,16 @@ from sidmacib.command.answers import Row
 from sidmacib.command.output import say, text_of
 from sidmacib.command.structures import (
     Tell,
+    curve_rows,
     force_rows,
     limit_of,
     stands_turned,
     static_of,
     structure_notes,
     structure_rows,
+    support_rows,
     telling,
+    write_curve,
 )
 from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Kind
@@ -116,8 +119,6 @@ def _of_several(demands: Sequence[Demand], wanted: Wanted) -> Answered:
 
 
 def _of_support(file: Path, demand: Demand, wanted: Wanted) -> Answered:
-    from sidmacib.command.displacements import support_rows, write_curve
-
     others = "interfaces", "compas", "report", "note"
     wanted.refuse("must not be given where a support moves", *others)
     rows, moves = support_rows(demand.problem, "yade" in wanted.engines)
@@ -158,8 +159,6 @@ def _of_load(
         views = Views.of(file, description, problem, limit, static, notes, words)
         views.write(rows, wanted.report, wanted.still, wanted.note)
     if wanted.capacity_curve is not None:
-        from sidmacib.command.displacements import curve_rows, write_curve
-
         moves, end = curve_rows(problem)
         click.echo(f"Capacity curve: {end}.", err=True)
         write_curve(moves, file.stem, wanted.capacity_curve, wanted.picture)

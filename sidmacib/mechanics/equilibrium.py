@@ -10,13 +10,14 @@ in N and all stiffnesses in N/m.
 """
 
 import importlib
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Piece
 from sidmacib.mechanics.contact_law import ContactLaw
 
 if TYPE_CHECKING:
@@ -93,6 +94,11 @@ def motion_of(assembly: Assembly, unknowns: Floats) -> Floats:
     motion = np.zeros(RIGID * len(assembly.pieces))
     motion[free_rows(assembly)] = unknowns
     return motion.reshape(-1, RIGID)
+
+
+def self_weight(pieces: Sequence[Piece]) -> Floats:
+    """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
+    return np.array([[0.0, 0.0, -piece.weight, 0.0, 0.0, 0.0] for piece in pieces])
 
 
 def unbalanced_forces(assembly: Assembly, loads: Loads, load: float, force: Floats) -> Floats:
