@@ -19,7 +19,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.peaks import lowest_peak
-from sidmacib.structure.analysis.rows import InterfaceRow
+from sidmacib.structure.analysis.forces import InterfaceRow
 from sidmacib.structure.blocks import solids_of
 from workflow.case import JointCase, StructureCase
 from workflow.results import read_records

@@ -51,8 +51,8 @@ from .rule.reliability import Characteristic as Characteristic
 from .rule.reliability import Reliability as Reliability
 from .rule.reliability import characteristic as characteristic
 from .rule.reliability import design_resistance as design_resistance
-from .structure.analysis.capacity_curve import CapacityCurve as CapacityCurve
-from .structure.analysis.capacity_curve import capacity_curve as capacity_curve
+from .structure.analysis.kinematics import CapacityCurve as CapacityCurve
+from .structure.analysis.kinematics import capacity_curve as capacity_curve
 from .structure.analysis.supports import greatest_reaction as greatest_reaction
 from .structure.analysis.supports import least_reaction as least_reaction
 from .structure.analysis.supports import support_path as support_path

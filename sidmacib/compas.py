@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
+from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.compas_results import compas_results
 from sidmacib.structure.files.structure_file import assembly_of, permanent_of

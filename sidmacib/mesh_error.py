@@ -1,10 +1,14 @@
-"""Mesh errors of loads, estimated from two meshes.
+"""Mesh errors of loads, estimated from several meshes.
 
 Errors are assumed proportional to the size of cells: with r times as many cells along a side, the
 change from one mesh to the other is r - 1 times the error that is left. Two constants for each
 layout of the nodes make this an upper estimate for at least 95 % of joints: a factor on it, and a
 floor over the cells along a side for errors that two meshes do not show. docs/models.md says how
 they were found.
+
+The peak of a structure whose bonds fail one after the other need not come closer to its limit from
+one mesh to the next, as it does in a joint: the change is no measure of what is left. All meshes
+have to agree then, and the range of their peaks, beside what no mesh shows, is the error of each.
 """
 
 import math
@@ -14,8 +18,9 @@ from enum import StrEnum, auto
 import numpy as np
 
 from sidmacib.joint import Joint
-from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.contact_nodes import cells_along
+from sidmacib.problem import Failures, MeshErrors
 
 APART = 1.4  # least ratio of the cells along a side of two meshes that give an estimate
 DIGITS = 9  # of a relative error after the decimal point; the rest is rounding
@@ -80,3 +85,27 @@ def mesh_errors(
     next_one = max(coarser)
     error = factor * change[next_one] / (finest / next_one - 1.0) + floor / finest
     return {cells: round(relative + error, DIGITS) for cells, relative in change.items()}
+
+
+def structure_mesh_errors(assembly: Assembly, found: Mapping[int, Failures]) -> MeshErrors:
+    """The errors of the failures on the smallest cells; of a late peak, on any of them.
+
+    ``found``: by the number of cells, along a side, that one of ``assembly`` is divided into.
+    """
+    sides = [math.sqrt(face.area) for face in assembly.faces]
+    cells = max(1.0, float(np.mean(sides)) / assembly.mesh)
+    first = {cells * divided: each.first for divided, each in found.items()}
+    peak = {cells * divided: each.peak for divided, each in found.items()}
+    kind = kind_of((each.peak, each.first) for each in found.values())
+
+    def error(loads: Mapping[float, float], kind: LoadKind) -> float | None:
+        if not all(load > 0.0 for load in loads.values()):
+            return None
+        finest = max(loads)
+        if kind is not LoadKind.LATE_PEAK:
+            return mesh_errors(loads, assembly.layout, kind).get(finest)
+        factor, floor = BOUNDS[assembly.layout][kind]
+        apart = (max(loads.values()) - min(loads.values())) / loads[finest]
+        return round(factor * apart + floor / finest, DIGITS)
+
+    return MeshErrors(error(first, LoadKind.FIRST_FAILURE), error(peak, kind))

@@ -26,14 +26,14 @@ from small import TWO_MESHES
 from structures import WITH_STRUCTURES
 
 from sidmacib import Assembly, FaceMaterial, Joint, Loading, Loads, NodeLayout
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.pieces import lock_faces, shared_face
-from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, self_weight
+from sidmacib.mechanics.assembly import Cuboid, Floats, Kind
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.newton.equilibrium import put_at
+from sidmacib.mechanics.equilibrium import self_weight
+from sidmacib.mechanics.newton import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
 from workflow import engine as engine_step

@@ -6,8 +6,9 @@ import numpy as np
 
 from sidmacib import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.joint.pieces import shared_face
-from sidmacib.mechanics.assembly import Cuboid, Kind, self_weight
+from sidmacib.mechanics.assembly import Cuboid, Kind
 from sidmacib.mechanics.contact_nodes import contact_nodes
+from sidmacib.mechanics.equilibrium import self_weight
 
 
 def tilted_stack(

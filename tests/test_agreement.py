@@ -10,8 +10,7 @@ from analysis.report.joints import _agreement
 from analysis.summary import disagreements
 from analysis.summary.structures import structure_disagreement
 from analysis.summary.summary import _disagreements
-from sidmacib.engines import run
-from sidmacib.engines.engine import Engine
+from sidmacib.engines import Engine, run
 from sidmacib.engines.results import disagreement
 from sidmacib.problem import Failures, Outcome, State
 

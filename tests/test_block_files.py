@@ -13,8 +13,7 @@ from structures import dry, moved, read_structure
 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.files.file_section import FileSection
-from sidmacib.structure.files.meshes import blocks_from_mesh
+from sidmacib.structure.files.block_files import FileSection, blocks_from_mesh
 from sidmacib.structure.files.structure_file import structure_of, with_bodies
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure

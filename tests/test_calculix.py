@@ -12,8 +12,7 @@ from conftest import DISTINCT, a_case, run_case
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.calculix.deck import CalculixDeck
-from sidmacib.engines.calculix.process import read_state
-from sidmacib.engines.calculix.run import load_at, raised
+from sidmacib.engines.calculix.run import load_at, raised, read_state
 from sidmacib.engines.render import _material_names, assembly_data, engine_material
 from sidmacib.engines.run import EngineError, refusal
 from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of

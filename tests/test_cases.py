@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small import BOTH, ONE, merged
 
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import Numerics
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from described import FILES
 
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.compas import multilock_solve, show_forces
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly
+from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import free_weight
 

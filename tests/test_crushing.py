@@ -25,7 +25,7 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.crushing import stress_blocks
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.capacity_curve import capacity_curve
+from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.files.structure_file import structure_of

@@ -27,8 +27,7 @@ from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import shared_face
 from sidmacib.mechanics.assembly import Cuboid, Kind, SideLoad
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.elastic import solver
-from sidmacib.mechanics.elastic.solver import ElasticSolver, memory_needed
+from sidmacib.mechanics.elastic import ElasticSolver, memory, memory_needed
 from sidmacib.mechanics.equilibrium import unbalanced_forces, unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static import solver_of, static_first_failure, static_peak
@@ -305,10 +304,10 @@ def test_the_memory_of_a_machine_is_that_of_its_container_if_that_is_less(
     monkeypatch: pytest.MonkeyPatch, tmp_path
 ) -> None:
     limit = tmp_path / "memory.max"
-    monkeypatch.setattr(solver, "CGROUP", limit)
-    whole = solver.memory()
+    monkeypatch.setattr("sidmacib.mechanics.elastic.CGROUP", limit)
+    whole = memory()
     assert 1e8 < whole < math.inf
     limit.write_text("max\n")
-    assert solver.memory() == whole
+    assert memory() == whole
     limit.write_text("1000000\n")
-    assert solver.memory() == 1e6
+    assert memory() == 1e6

@@ -12,8 +12,7 @@ from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case,
 from stack import overturning, tilted_stack
 
 from sidmacib.command.main import main
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.run import OUTPUTS, EngineError
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, lateral_load

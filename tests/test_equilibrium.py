@@ -15,11 +15,17 @@ from sidmacib.mechanics.assembly import Cuboid, Kind, Rectangle
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, wrenches
-from sidmacib.mechanics.newton.equilibrium import solve_linear
+from sidmacib.mechanics.equilibrium import (
+    compliance,
+    elastic_stiffness,
+    equilibrium_matrix,
+    free_rows,
+    natural_frequencies,
+    wrenches,
+)
+from sidmacib.mechanics.newton import solve_linear
 from sidmacib.mechanics.newton.faces import tangent_stiffness
 from sidmacib.mechanics.rigid import RigidSolver, ordering
-from sidmacib.mechanics.springs import compliance, elastic_stiffness, natural_frequencies
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 

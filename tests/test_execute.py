@@ -14,8 +14,7 @@ from pathlib import Path
 import pytest
 from conftest import block_on_ground
 
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Engine
+from sidmacib.engines import ENGINES, Engine
 from sidmacib.engines.render import DATA_FILE, MODULES
 from sidmacib.engines.run import OUTPUTS, EngineError, EngineNoAnswerError, execute, refusal
 from sidmacib.joint import Joint

@@ -12,8 +12,8 @@ from command_runner import answers, run
 from structures import dry
 
 from sidmacib.structure.blocks import box, prism
+from sidmacib.structure.files.block_files import blocks_from_mesh
 from sidmacib.structure.files.compas import read_compas
-from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.repair import bodies_in, repaired
 from sidmacib.structure.files.structure_file import blocks_and_rows, structure_of
 from sidmacib.structure.interfaces import interfaces

@@ -11,7 +11,7 @@ from conftest import ROOT, a_case
 from small import COARSE
 
 from sidmacib import Direction, Joint, Loading
-from sidmacib.engines.engine import FOREIGN, engine_environment
+from sidmacib.engines import FOREIGN, engine_environment
 from sidmacib.engines.run import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
 from workflow import engine as engine_step

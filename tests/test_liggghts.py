@@ -9,8 +9,7 @@ import pytest
 from conftest import a_case
 from test_execute import becomes_true
 
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.run import EngineError, execute
 from sidmacib.joint import Direction, Joint

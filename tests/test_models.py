@@ -7,8 +7,7 @@ import pytest
 from conftest import ROOT
 from joints import loaded
 
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.joint import Joint
 from sidmacib.model import Ability, Model, Requirement, SolvedModel
 from sidmacib.models import CLOSED_FORM, LAWS, MODELS, RESISTANCES, RETURNED, SOLVED
@@ -19,7 +18,7 @@ STIFF = Requirement(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa
 
 
 def test_every_way_to_obtain_results_has_its_models() -> None:
-    folders = {path.parent.name for path in (ROOT / "sidmacib/engines").glob("*/engine.py")}
+    folders = {path.parent.name for path in (ROOT / "sidmacib/engines").glob("*/run.py")}
     assert {"yade", "liggghts", "calculix"} <= set(ENGINES) == folders
     assert SOLVED == ("static", "limit")
     assert RETURNED == ("3dec",)

@@ -14,7 +14,8 @@ from sidmacib import OPTIONS, Sidmacib, capacity, limit_load, lowest_peak
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push, posed
 from sidmacib.joint.pieces import LockWeight, assemble, lock_faces, lock_weights
-from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout, self_weight
+from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
+from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.mechanics.static import StaticSolution, static_peak
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure

@@ -16,8 +16,8 @@ from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.models import structure_limit, structure_static
-from sidmacib.scene.loads import arrows_of, load_of
-from sidmacib.structure.analysis.capacity_curve import capacity_curve
+from sidmacib.scene.forces import arrows_of, load_of
+from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.blocks import box, prism

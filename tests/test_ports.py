@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 from campaigns.faults import descendants
 
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.scripts.children import PRIVATE_NETWORK
 from sidmacib.joint import Direction, Joint

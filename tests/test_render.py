@@ -12,8 +12,7 @@ from processes import python
 from stack import tilted_stack
 from structures import dry
 
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Engine, Numerics
+from sidmacib.engines import ENGINES, Engine, Numerics
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.run import guide_of, run_engine
 from sidmacib.engines.scripts.assembly import Guide, read_assembly

@@ -15,7 +15,7 @@ from test_report import MOST_BYTES
 
 from analysis.report.page import content, page
 from analysis.report.structures import structures_verdict
-from sidmacib.scene.solids import shape_of
+from sidmacib.scene.drawn import shape_of
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import StructureCase
 from workflow.cases import structure_cases

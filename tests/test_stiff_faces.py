@@ -7,11 +7,11 @@ import pytest
 from conftest import DISTINCT, run_guided
 
 from sidmacib import CapacityError, FaceMaterial, NodeLayout
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import Numerics
 from sidmacib.engines.results import read_outcome
 from sidmacib.joint import FIXED_PLATE, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, posed
-from sidmacib.mechanics.springs import compliance
+from sidmacib.mechanics.equilibrium import compliance
 from sidmacib.mechanics.static import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem
 

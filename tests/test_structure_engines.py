@@ -14,9 +14,8 @@ from structures import dry, moved
 from test_capacity_curve import wall
 from test_supports import HalfArch, semicircle, two_spans
 
-from sidmacib.engines import ENGINES
+from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.curve import engine_curve, engine_support_path
-from sidmacib.engines.engine import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
 from sidmacib.engines.run import EngineNoAnswerError, engine_outcome
@@ -24,7 +23,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Outcome, Problem
-from sidmacib.structure.analysis.capacity_curve import capacity_curve
+from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, support_moves

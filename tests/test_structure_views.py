@@ -16,13 +16,11 @@ from offline import leaving_in_html
 from structures import read_structure
 from test_supports import BEAM
 
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.models import structure_limit
-from sidmacib.scene.drawn import Drawn
-from sidmacib.scene.loads import arrows_of, load_of
+from sidmacib.scene.drawn import Drawn, shape_of, with_condensed_locks
+from sidmacib.scene.forces import arrows_of, chains, load_of, total
 from sidmacib.scene.picture import picture, view_axes
-from sidmacib.scene.sections import chains, total
-from sidmacib.scene.solids import shape_of, with_condensed_locks
+from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import owners_of
 

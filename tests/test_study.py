@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from small import BOTH, ONE, merged
 
 from sidmacib import OPTIONS, READY_OPTIONS, Joint, NodeLayout, OwnLock, UpperBody, assemble
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import Numerics
 from sidmacib.reading import Section
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study, with_installed_engines

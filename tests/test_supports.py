@@ -14,7 +14,7 @@ from structures import dry
 
 from sidmacib import InfeasibleError, greatest_reaction, least_reaction, support_path
 from sidmacib.mechanics.assembly import Assembly, Floats
-from sidmacib.structure.analysis.support_path import static_reactions
+from sidmacib.structure.analysis.supports import static_reactions
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import demands_of, structure_of
 from sidmacib.structure.loads import SupportMotion, free_weight, support_moves, support_turns

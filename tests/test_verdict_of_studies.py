@@ -16,7 +16,7 @@ from analysis.report import finding
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
 from analysis.tables.structures import structures_table, verdicts_table
-from sidmacib.answers.structure_limit import limit_state
+from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from workflow.cases import structure_cases

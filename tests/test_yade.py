@@ -15,7 +15,8 @@ from sidmacib.engines.run import OUTPUTS
 from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout, self_weight
+from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout
+from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
 

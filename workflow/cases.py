@@ -6,8 +6,7 @@ from functools import cache
 from itertools import product
 from typing import NamedTuple, TypeVar
 
-from sidmacib.engines import ENGINES
-from sidmacib.engines.engine import Engine
+from sidmacib.engines import ENGINES, Engine
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout

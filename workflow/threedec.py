@@ -25,9 +25,8 @@ from sidmacib.mechanics.assembly import (
     Loads,
     Nodes,
     Vector,
-    self_weight,
 )
-from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.mechanics.equilibrium import face_frames, self_weight
 from sidmacib.problem import Outcome, Problem, State
 from workflow.case import REFERENCE, JointCase
 from workflow.results import record_of, record_without_result

@@ -12,9 +12,9 @@ from werkzeug.exceptions import NotFound
 
 from analysis.explore.comparison import compared
 from analysis.explore.structures import StructureAnswer
+from sidmacib.command.assembly import case_rows
 from sidmacib.command.output import cell
 from sidmacib.command.structures import limit_of, static_of
-from sidmacib.command.verdicts import case_rows
 from sidmacib.scene.page import page
 from sidmacib.structure.files.structure_file import demands_of, description_in
 from sidmacib.structure.loads import SupportMotion

@@ -10,12 +10,12 @@ from analysis.explore.comparison import Figure
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.command.answers import Row
+from sidmacib.command.assembly import demanded_rows
 from sidmacib.command.structure_views import Views
 from sidmacib.command.structures import limit_of, static_of, structure_notes
-from sidmacib.command.verdicts import demanded_rows
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.limit import LimitState
-from sidmacib.scene.loads import arrows_of
+from sidmacib.scene.forces import arrows_of
 from sidmacib.structure.files.structure_file import Demand, demands_of
 
 KEPT = 64  # structures that are not computed again

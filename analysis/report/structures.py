@@ -18,10 +18,9 @@ from analysis.summary.summary import AGREEMENT
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import FIRST_FAILURE
-from sidmacib.scene.loads import arrows_of
-from sidmacib.scene.sections import forces_of
-from sidmacib.scene.solids import points_of, shape_of
-from sidmacib.structure.analysis.rows import InterfaceRow
+from sidmacib.scene.drawn import points_of, shape_of
+from sidmacib.scene.forces import arrows_of, forces_of
+from sidmacib.structure.analysis.forces import InterfaceRow
 from workflow.case import REFERENCE, StructureCase
 
 LIMIT, LEAST = "limit", "limit, least"

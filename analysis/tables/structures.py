@@ -8,14 +8,14 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.answers.structure import counting, without_other_meshes
-from sidmacib.answers.supports import support_answers
 from sidmacib.answers.verdict import Verdict, governing, verdict
 from sidmacib.engines.curve import yade_answer
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mesh_error import DIGITS
 from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures, Problem
-from sidmacib.structure.analysis.rows import most_used
+from sidmacib.structure.analysis.forces import most_used
+from sidmacib.structure.analysis.supports import support_answers
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.loads import SupportMotion
 from workflow.case import CaseId, StructureSubject

@@ -10,7 +10,7 @@ how far it still will: it counts only if three meshes agree on it, the third wit
 of the size, on which the lowest peak is sought. Otherwise the first failure counts, which hardly
 depends on the mesh.
 
-`sidmacib.answers.structure_crushing` adds limit analysis, and with it crushing, of which the static
+`sidmacib.answers.structure_bounds` adds limit analysis, and with it crushing, of which the static
 model knows nothing.
 """
 
@@ -26,9 +26,9 @@ from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import MOST_ROTATION, static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
+from sidmacib.mesh_error import structure_mesh_errors
 from sidmacib.problem import Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.mesh_error import structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined
@@ -117,7 +117,7 @@ def static_answer(
         if not crushed and any(face.kind is not Kind.DRY for face in problem.assembly.faces):
             return unbounded_answer(problem)
         # Imported here, as following a path loads no solver of programmes.
-        crushing = importlib.import_module("sidmacib.answers.structure_crushing")
+        crushing = importlib.import_module("sidmacib.answers.structure_bounds")
         bounded = crushing.with_crushing if crushed else crushing.bounded
         answer: StaticAnswer = bounded(problem, limit)
         return answer

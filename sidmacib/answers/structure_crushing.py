@@ -24,7 +24,6 @@ from sidmacib.answers.structure import (
     unbounded_answer,
     without_other_meshes,
 )
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.answers.verdict import LOWER
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
@@ -35,7 +34,12 @@ from sidmacib.mechanics.solution import Equilibrium, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt, short_of
+from sidmacib.structure.analysis.limit import (
+    limit_mesh_error,
+    limit_state,
+    limit_tilt,
+    short_of,
+)
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.structure import refined
 

@@ -20,8 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.crossing import grouped
+from sidmacib.structure.blocks import Block, box, grouped
 from sidmacib.structure.cutting import Plane, cut
 from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
 from sidmacib.structure.interfaces import NEAR, interfaces, mean_size

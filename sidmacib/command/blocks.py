@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-from sidmacib.command.joints import flag_of, joint_of, joint_options, quantity
 from sidmacib.command.options import (
     EXISTING,
     PAGE,
@@ -15,8 +14,12 @@ from sidmacib.command.options import (
     WRITTEN,
     Command,
     Written,
+    flag_of,
     format_option,
+    joint_of,
+    joint_options,
     note_option,
+    quantity,
 )
 from sidmacib.command.output import (
     refused_in_one_line,

@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from sidmacib.command.answers import Row
-from sidmacib.command.joints import LOCKS
+from sidmacib.command.options import LOCKS
 from sidmacib.command.output import plot
 from sidmacib.drawing import GREEN, ORANGE
 from sidmacib.joint import Joint

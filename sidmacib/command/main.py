@@ -17,21 +17,19 @@ from sidmacib.command.answers import (
     weight_rows,
 )
 from sidmacib.command.blocks import assembly, build, design
-from sidmacib.command.joints import (
-    RATIO,
-    joint_of,
-    joint_options,
-    quantity,
-    reliability_options,
-)
 from sidmacib.command.options import (
     LOAD,
+    RATIO,
     Command,
     format_alone,
     format_option,
     grouped,
+    joint_of,
+    joint_options,
     note_option,
     picture_option,
+    quantity,
+    reliability_options,
 )
 from sidmacib.command.output import (
     bars,

@@ -1,25 +1,41 @@
-"""Pages and pictures of a structure."""
+"""Pages, pictures and calculation notes of a structure."""
 
+import io
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import cell, draw, in_asked_units, in_asked_words, write_text
+from sidmacib.drawing import write_figure
 from sidmacib.errors import CapacityError, NoEquilibriumError
+from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece
+from sidmacib.mechanics.crushing import crushed_faces, strength_of
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
 from sidmacib.problem import Problem
-from sidmacib.quantities import four_digits, number_of
-from sidmacib.scene.drawn import Drawn
-from sidmacib.scene.loads import arrows_of, load_of
-from sidmacib.scene.page import page
-from sidmacib.scene.solids import shape_of, with_condensed_locks
+from sidmacib.quantities import four_digits, number_of, some_of
+from sidmacib.scene.drawn import Drawn, shape_of, with_condensed_locks
+from sidmacib.scene.forces import arrows_of, load_of, total
+from sidmacib.scene.page import page, rendered
+from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.loads import free_weight
+
+TEMPLATE = Path(__file__).with_name("structure_note.html.j2")
+MOST_ROWS = 8  # of a table of blocks, reactions or interfaces, for two pages
+WIDTH = 5.0  # inches, of the picture
+BALANCED = 1e-3  # of the loads: what may be left of all forces
+FLEXIBLE = 0.1  # mesh error from which a load is doubtful
+BELOW = 0.01  # of the static model's load: limit analysis that is lower by more
+KINDS = {Kind.INNER: "bonded", Kind.DRY: "dry", Kind.LOCKED: "condensed locks"}
+Cells = tuple[object, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +111,6 @@ class Views:
 
             draw(picture(self.models[0], self.shape, f"{self.title}: {self.answer}"), still)
         if note is not None:
-            from sidmacib.command.structure_note import structure_note
-
             write_text(structure_note(self, rows, command), note, "--note")
 
     def content(self, rows: Sequence[Row], command: str) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -151,3 +165,144 @@ def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:
     if isinstance(limit, CapacityError):
         return Drawn("limit", problem, error=reason(limit))
     return Drawn("limit", problem, structure_limit.outcome_of(problem, limit))
+
+
+def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
+    """The note in HTML; ``rows``: the table that is printed; ``command``: what it was made by."""
+    drawn, assembly = views.models[0], views.problem.assembly
+    asked, laws = in_asked_units(rows), [*_laws(drawn.assembly.faces)]
+    return rendered(
+        TEMPLATE,
+        title=f"Calculation note: structure {views.title}",
+        views=views,
+        drawn=drawn,
+        drawing=_drawing(views),
+        blocks=[*_blocks(assembly.pieces[:MOST_ROWS])],
+        more_blocks=len(assembly.pieces) - MOST_ROWS,
+        laws=laws,
+        kinds={kind for kind, *_ in laws},
+        head=asked[0],
+        rows=[map(cell, row.values()) for row in asked],
+        failing=_failing(views),
+        forces_of=_what(drawn),
+        reactions=[*_reactions(drawn)],
+        used=_used(drawn),
+        checks=[*_checks(views, rows)],
+        crushed=bool(crushed_faces(assembly)),
+        load=in_asked_words(load_of(views.problem)),
+        command=command,
+    )
+
+
+def _drawing(views: Views) -> str:
+    """The picture as SVG, the same for the same input."""
+    from sidmacib.scene.picture import picture
+
+    stream = io.StringIO()
+    write_figure(picture(views.models[0], views.shape, "", WIDTH), stream)
+    text = stream.getvalue()
+    return text[text.index("<svg") :]
+
+
+def _blocks(pieces: Iterable[Piece]) -> Iterator[Cells]:
+    for piece in pieces:
+        corners = np.concatenate([solid.places for solid in solids_of(piece)])
+        sides = " x ".join(f"{side:.4g}" for side in np.ptp(corners, axis=0))
+        held = "fixed" if piece.fixed else cell(piece.weight)
+        middle = ", ".join(f"{each + 0.0:.4g}" for each in np.round(piece.centre, 9))
+        yield piece.name, sides, middle, held
+
+
+def _laws(faces: Iterable[Face]) -> Iterator[Cells]:
+    """Each law with the number and the area of its interfaces."""
+    count: Counter[tuple[Kind, FaceMaterial, float | None]] = Counter()
+    area: dict[tuple[Kind, FaceMaterial, float | None], float] = {}
+    for face in faces:
+        key = face.kind, face.material, strength_of(face)
+        count[key] += 1
+        area[key] = area.get(key, 0.0) + face.area
+    for (kind, law, strength), number in count.items():
+        yield (
+            KINDS.get(kind, str(kind)),
+            number,
+            f"{area[kind, law, strength]:.4g}",
+            f"{law.friction:.4g}",
+            f"{law.cohesion / 1e3:.4g}",
+            f"{law.tensile_strength / 1e3:.4g}",
+            "-" if strength is None else f"{strength / 1e6:.4g}",
+            f"{law.normal_stiffness / 1e9:.4g}, {law.shear_stiffness / 1e9:.4g}",
+        )
+
+
+def _failing(views: Views) -> str:
+    """The order in which bonds fail, in words; nothing if none does."""
+    order, unit = views.models[0].failing, "N" if views.problem.loads.axis is None else "degrees"
+    told = [f"{name} ({load:.4g} {unit})" for name, load in order]
+    return in_asked_words(some_of(told, MOST_ROWS))
+
+
+def _what(drawn: Drawn) -> str:
+    """Model and load of the forces that follow."""
+    if drawn.load is None:
+        return "no model has an answer"
+    name = {"static": "static model", "limit": "limit analysis"}[drawn.model]
+    return f"{name}; {in_asked_words(drawn.load_words)}"
+
+
+def _reactions(drawn: Drawn) -> Iterator[Cells]:
+    """Reactions, and their sum; none of a model without forces."""
+    if not drawn.reactions:
+        return
+    least = 1e-6 * max(float(np.linalg.norm(each.force)) for each in drawn.reactions)
+    for each in drawn.reactions[:MOST_ROWS]:
+        forces = (_number(value, least) for value in each.force)
+        at = ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in each.at) if each.at else "-"
+        yield each.support, *forces, at
+    forces = (_number(value, least) for value in total(drawn.reactions))
+    yield f"all {len(drawn.reactions)}", *forces, ""
+
+
+def _number(value: float, least: float) -> str:
+    return cell(value if abs(value) > least else 0.0)
+
+
+def _used(drawn: Drawn) -> list[Cells]:
+    """The interfaces that are used most."""
+    found = [row for row in drawn.interfaces if row.utilisation is not None]
+    found.sort(key=lambda row: -(row.utilisation or 0.0))
+    return [
+        (
+            row.interface,
+            cell(row.normal_N),
+            cell(row.shear_N),
+            "-" if row.eccentricity is None else f"{row.eccentricity:.3f}",
+            f"{row.utilisation:.3f}",
+        )
+        for row in found[:MOST_ROWS]
+    ]
+
+
+def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
+    """Each check, what was found, and the result."""
+    drawn = views.models[0]
+    if drawn.outcome is not None and drawn.reactions:
+        loads = views.problem.loads.at(drawn.outcome.state.load)
+        acting = loads[[not piece.fixed for piece in drawn.assembly.pieces], :3].sum(axis=0)
+        left = float(np.linalg.norm(acting + np.array(total(drawn.reactions))))
+        size = float(np.abs(loads[:, :3]).sum())
+        kept = "verified" if left <= BALANCED * size else "NOT verified"
+        yield "Reactions balance the loads", f"{left / size:.1e} of the loads is left", kept
+    what = "load" if views.problem.loads.axis is None else "tilt"
+    for row in rows:
+        error = row[f"mesh error / {what}"]
+        if error is not None:
+            told = f"{100.0 * error:.2g} % of the {what}"
+            yield f"Mesh error, {row['model']}", told, "small" if error <= FLEXIBLE else "LARGE"
+    found_by = {each.model: each.load for each in views.models}
+    one, other = found_by.get("static"), found_by.get("limit")
+    if one and other:
+        kept = "verified" if other >= one * (1.0 - BELOW) else "NOT verified"
+        told = f"{other:.4g} / {one:.4g} = {other / one:.3f}"
+        yield "Limit analysis is at or above the static model", told, kept
+    for note in views.notes:
+        yield "Input", note, "see the file"

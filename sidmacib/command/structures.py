@@ -1,14 +1,16 @@
-"""Output of the command for structures of blocks."""
+"""Output of the command for structures of blocks: loads, forces, capacity curves, supports."""
 
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sidmacib.answers.structure import StaticAnswer, static_answer
-from sidmacib.answers.structure_limit import assumes, limit_state
 from sidmacib.command.answers import Row, reason
+from sidmacib.command.output import draw, plot, text_of, write_text
+from sidmacib.drawing import SKY
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState, require_standing
@@ -16,14 +18,19 @@ from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import interface_forces
-from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
+from sidmacib.structure.analysis.kinematics import capacity_curve
+from sidmacib.structure.analysis.limit import assumes, limit_mesh_error, limit_state, limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
+from sidmacib.structure.analysis.supports import joints_in_words, support_answers
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.loads import load_warnings
 from sidmacib.structure.files.sections import StructureFile
 from sidmacib.structure.files.structure_file import Demand, demands_of
-from sidmacib.structure.loads import free_weight, naming_permanent
+from sidmacib.structure.loads import SupportMotion, free_weight, naming_permanent
 from sidmacib.structure.warnings import structure_warnings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FULL = 1.0 - 1e-4  # of a limit: an interface that uses more is at it
 MOST = 6  # names in a note
@@ -245,3 +252,78 @@ def _row(
         f"peak ({unit})": answer and answer.failures.peak,
         "note": note,
     }
+
+
+def curve_rows(problem: Problem) -> tuple[list[Row], str]:
+    """The capacity curve of a structure, one row for each position, and how it ends, in words.
+
+    `CapacityError` if there is none.
+    """
+    curve, weight = capacity_curve(*problem), free_weight(problem.assembly)
+    rows: list[Row] = [
+        {
+            "displacement (m)": moved,
+            "load (N)": load,
+            "load / weight": load / weight,
+            "largest rotation (degrees)": turned,
+        }
+        for moved, load, turned in zip(
+            curve.displacement.tolist(), curve.load.tolist(), curve.rotation.tolist(), strict=True
+        )
+    ]
+    joints = joints_in_words(curve.hinges, curve.slides)
+    return rows, f"{curve.end} along it; {joints} at the start"
+
+
+def support_rows(problem: Problem, yade: bool) -> tuple[list[Row], list[Row]]:
+    """What a support that moves does: reactions by each model, and the reaction over the movement.
+
+    ``yade``: whether YADE is asked too. Errors of `support_answers`.
+    """
+    assembly, loads = problem
+    assert isinstance(loads, SupportMotion)
+    answers, path = support_answers(assembly, loads)
+    if yade:
+        from sidmacib.engines.curve import yade_answer
+
+        answers.append(yade_answer(problem))
+    what, moved, unit = "reaction (N)", "movement (m)", 1.0
+    if loads.turns:
+        what, moved, unit = "reaction (N m)", "movement (degrees)", math.degrees(1.0)
+    rows: list[Row] = [
+        {
+            "model": each.answer,
+            what: each.reaction,
+            moved: None if each.movement is None else unit * each.movement,
+            "note": each.note,
+        }
+        for each in answers
+    ]
+    curve: list[Row] = [
+        {moved: unit * movement, what: reaction}
+        for movement, reaction in zip(path.movement.tolist(), path.reaction.tolist(), strict=True)
+    ]
+    return rows, curve
+
+
+def write_curve(rows: Sequence[Row], title: str, curve: Path | None, picture: Path | None) -> None:
+    """Write ``rows`` into the file ``curve``, in CSV, and draw them into ``picture``.
+
+    `click.UsageError` for a file that cannot be written.
+    """
+    if curve is not None:
+        write_text(text_of(rows, "csv") + "\n", curve, "--capacity-curve")
+    if picture is not None:
+        draw(_picture(rows, title), picture)
+
+
+def _picture(rows: Sequence[Row], title: str) -> "Figure":
+    """The first number of ``rows`` to the right, the second upwards."""
+    moved, force = list(rows[0])[:2]
+    figure, axes = plot(title, moved, force)
+    axes.plot([row[moved] for row in rows], [row[force] for row in rows], color=SKY)
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=min(0.0, *(row[force] for row in rows)))
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    return figure

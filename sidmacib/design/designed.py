@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from sidmacib.answers.structure import bond_fails, static_answer
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.design import Choice, Layout
 from sidmacib.design.blocking import Order, conflict, order_of
 from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of
@@ -29,6 +28,7 @@ from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
+from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import assembly_of
 
 DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"

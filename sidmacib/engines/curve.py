@@ -5,14 +5,13 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from sidmacib.answers.supports import SupportAnswer
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import YADE, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.results import read_history
 from sidmacib.engines.run import HOUR, USUAL, EngineError, EngineNoAnswerError, execute, refusal
-from sidmacib.engines.yade.engine import YADE
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.problem import Problem
+from sidmacib.structure.analysis.supports import SupportAnswer
 from sidmacib.structure.loads import SupportMotion
 
 

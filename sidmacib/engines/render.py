@@ -12,7 +12,7 @@ from typing import Any
 import jinja2
 import numpy as np
 
-from sidmacib.engines.engine import Engine, Numerics
+from sidmacib.engines import Engine, Numerics
 from sidmacib.engines.scripts.assembly import NEVER_FALLS, GivenMaterial, Guide
 from sidmacib.engines.sides import convex_solids, sides, vertices_above
 from sidmacib.mechanics.assembly import (
@@ -26,15 +26,13 @@ from sidmacib.mechanics.assembly import (
     Piece,
     Rectangle,
 )
-from sidmacib.mechanics.springs import natural_frequencies
+from sidmacib.mechanics.equilibrium import natural_frequencies
 from sidmacib.structure.loads import SupportMotion
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent
 PACKED = Path(__file__).parents[1] / "templates"  # of an installed package
 TEMPLATES = PACKED if PACKED.is_dir() else Path(__file__).parents[2] / "templates"
-# Files of an engine that do not run beside its script.
-OF_THIS_PROJECT = shutil.ignore_patterns("engine.py", "__pycache__")
 # Radii of contact spheres over the mean size of pieces: the small one is far more than what presses
 # contacts together, and by the slip over the large one a normal turns.
 POINT, FLAT = 0.001, 1000.0
@@ -82,8 +80,9 @@ def write_script(
     (folder / engine.script).write_text(text)
     modules = folder / MODULES.name
     shutil.rmtree(modules, ignore_errors=True)
+    compiled = shutil.ignore_patterns("__pycache__")
     for package in ("scripts", engine.name):
-        shutil.copytree(MODULES / package, modules / package, ignore=OF_THIS_PROJECT)
+        shutil.copytree(MODULES / package, modules / package, ignore=compiled)
 
 
 def _range(assembly: Assembly, loads: Loads, numerics: Numerics) -> dict[str, float | str]:

@@ -15,7 +15,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from sidmacib.engines.engine import Engine, Numerics, engine_environment
+from sidmacib.engines import Engine, Numerics, engine_environment
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.results import check_bracket, check_first_failure, read_outcome
 from sidmacib.engines.scripts.assembly import Guide
@@ -24,7 +24,7 @@ from sidmacib.engines.scripts.records import NO_ANSWER, OUTPUTS, RESULT
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind, Loads
 from sidmacib.mechanics.crushing import crushed_faces
-from sidmacib.mechanics.springs import compliance
+from sidmacib.mechanics.equilibrium import compliance
 from sidmacib.mechanics.static import static_peak
 from sidmacib.model import Ability
 from sidmacib.problem import Outcome, Problem

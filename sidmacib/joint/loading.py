@@ -9,7 +9,8 @@ import numpy as np
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.pieces import assemble, lock_name, upper_bodies
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout, SideLoad, self_weight
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout, SideLoad
+from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.problem import Problem
 from sidmacib.validation import refused, require_member
 

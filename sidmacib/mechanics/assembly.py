@@ -5,7 +5,6 @@ faces may have any shape; the joint's are cuboids and rectangles. All quantities
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
@@ -398,8 +397,3 @@ def rotated(vectors: Floats, axis: Floats, angle: float) -> Floats:
     along = np.outer(vectors @ axis, axis)
     across = np.cross(axis, vectors)
     return along + math.cos(angle) * (vectors - along) + math.sin(angle) * across
-
-
-def self_weight(pieces: Sequence[Piece]) -> Floats:
-    """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
-    return np.array([[0.0, 0.0, -piece.weight, 0.0, 0.0, 0.0] for piece in pieces])

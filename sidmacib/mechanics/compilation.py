@@ -21,7 +21,11 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache,
 
 SHIPPED = Path(__file__).parent / "machine_code"
 UNUSABLE = OSError, EOFError, UnpicklingError  # of a file: not readable, no room for it, cut off
-_texts = [path.read_bytes() for path in sorted(Path(__file__).parent.rglob("*.py"))]
+# With their names, as what is kept refers to modules by name.
+_texts = [
+    path.parent.name.encode() + path.name.encode() + path.read_bytes()
+    for path in sorted(Path(__file__).parent.rglob("*.py"))
+]
 # Numba compiles a function again where its file has changed, but not where one that it calls has.
 VERSION = sha256(b"".join(text for text in _texts if b"@compiled" in text)).hexdigest()[:12]
 del _texts

@@ -1,12 +1,24 @@
-"""Equilibrium of pieces: wrenches of unit node forces, and what given node forces leave over."""
+"""Equilibrium of rigid pieces, and their stiffness with every contact node closed.
+
+Wrenches of unit node forces, and what given node forces leave over. With unbroken nodes as springs
+between the pieces, frequencies and compliance set the scales of an explicit computation: its time
+step, its loading rate, and the displacement beyond which the assembly can only have failed.
+
+The unknowns are the displacements of the free pieces. Where rotations are multiplied by the
+assembly's ``length`` and moments divided by it, see `row_units`, all unknowns are in m, all forces
+in N and all stiffnesses in N/m.
+"""
 
 import importlib
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Piece
+from sidmacib.mechanics.contact_law import ContactLaw
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -84,6 +96,11 @@ def motion_of(assembly: Assembly, unknowns: Floats) -> Floats:
     return motion.reshape(-1, RIGID)
 
 
+def self_weight(pieces: Sequence[Piece]) -> Floats:
+    """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
+    return np.array([[0.0, 0.0, -piece.weight, 0.0, 0.0, 0.0] for piece in pieces])
+
+
 def unbalanced_forces(assembly: Assembly, loads: Loads, load: float, force: Floats) -> Floats:
     """Unbalanced force (N) and moment (N m) on each piece under ``load`` (N), (P, 6).
 
@@ -107,3 +124,54 @@ def unbalanced_share(assembly: Assembly, loads: Loads, load: float, force: Float
     most_force = float(np.linalg.norm(unbalanced[:, :3], axis=1).max())
     most_moment = float(np.linalg.norm(unbalanced[:, 3:], axis=1).max())
     return max(most_force, most_moment / assembly.length) / load
+
+
+def elastic_stiffness(assembly: Assembly, law: ContactLaw) -> Floats:
+    """Stiffness (N/m) by all unknowns, (U, U), with every node closed and bonded by ``law``."""
+    balance = equilibrium_matrix(assembly)[free_rows(assembly)] / row_units(assembly)[:, None]
+    springs = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
+    return np.asarray((balance * springs.ravel() @ balance.T).toarray())
+
+
+def natural_frequencies(assembly: Assembly) -> Floats:
+    """Angular frequencies of the free pieces, ascending, in rad/s, with every node closed.
+
+    Every piece has its largest principal moment of inertia about all axes.
+    """
+    free = [piece for piece in assembly.pieces if not piece.fixed]
+    inertia = [piece.inertia.max() / assembly.length**2 for piece in free]  # kg, as rotations in m
+    mass = np.concatenate(
+        [[piece.mass] * 3 + [turned] * 3 for piece, turned in zip(free, inertia, strict=True)]
+    )
+    root = np.sqrt(mass)
+    stiffness = elastic_stiffness(assembly, ContactLaw.of(assembly)) / root / root[:, None]
+    return np.sqrt(np.linalg.eigvalsh(stiffness))
+
+
+def soft_law(assembly: Assembly) -> ContactLaw:
+    """The law of ``assembly`` with no face stiffer than the softest inner one, if there is any.
+
+    The reference for displacements: where all nodes are bonded, dry faces carry loads past the
+    inner ones, and the stiffer they are the less moves. Once they slip, the inner faces decide.
+    """
+    laws = [face.material for face in assembly.faces]
+    stiffness = np.array([(law.normal_stiffness, law.shear_stiffness) for law in laws])
+    inner = np.array([face.kind is Kind.INNER for face in assembly.faces])
+    most = stiffness[inner].min(axis=0, initial=np.inf)
+    normal, shear = np.minimum(1.0, most / stiffness)[assembly.nodes.face].T
+    law = ContactLaw.of(assembly)
+    return replace(
+        law,
+        normal_stiffness=law.normal_stiffness * normal,
+        shear_stiffness=law.shear_stiffness * shear,
+    )
+
+
+def compliance(assembly: Assembly, loads: Loads) -> float:
+    """Displacement along the variable load, per newton of load, in m/N, with every node closed.
+
+    By `soft_law`.
+    """
+    force = loads.variable.ravel()[free_rows(assembly)] / row_units(assembly)
+    stiffness = elastic_stiffness(assembly, soft_law(assembly))
+    return float(np.sum(force * np.linalg.solve(stiffness, force)))

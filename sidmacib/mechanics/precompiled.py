@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numba import float64, int64, typeof, types
 
+from sidmacib.mechanics import newton
 from sidmacib.mechanics.compilation import SHIPPED, Shipped
 from sidmacib.mechanics.contact_law import kernels
-from sidmacib.mechanics.newton import equilibrium, faces
+from sidmacib.mechanics.newton import faces
 
 Signature = tuple[Any, ...]
 
@@ -28,21 +29,21 @@ def signatures() -> dict[Any, Signature]:
         faces.ContactFaces(law, places, start, cube, cube, whole, blocks, False, 0, 0, 0)
     )
     matrix, here = (
-        typeof(equilibrium.Matrix(law, law, law)),
+        typeof(newton.Matrix(law, law, law)),
         typeof(faces.new_point(1, np.array([0, 1]))),
     )
     solved, nodes = (contacts, matrix, here), (row, row, table, row)  # forces, guess, slip, whole
     return {
         faces.whole_faces: (contacts, here),
-        equilibrium.elastic: (*solved, row, float64),
-        equilibrium.equilibrium: (*solved, *nodes, three),
+        newton.elastic: (*solved, row, float64),
+        newton.equilibrium: (*solved, *nodes, three),
         kernels.put_slip: (table, table, row, table, table, table),
         kernels._utilisation: (row, row, row, row, table, float64),
-        equilibrium.product: (row, row),
-        equilibrium.allowed_at: (row, float64, float64),
-        equilibrium.put_at: (contacts, table, row, row, here, row),
-        equilibrium.least_energy: (*solved, *nodes, types.UniTuple(float64, 4)),
-        equilibrium.newton: (*solved, *nodes, three, types.Tuple((float64, int64))),
+        newton.product: (row, row),
+        newton.allowed_at: (row, float64, float64),
+        newton.put_at: (contacts, table, row, row, here, row),
+        newton.least_energy: (*solved, *nodes, types.UniTuple(float64, 4)),
+        newton.newton: (*solved, *nodes, three, types.Tuple((float64, int64))),
         kernels.forces_and_tangents: (table, table, row, table),
     }
 

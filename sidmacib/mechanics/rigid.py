@@ -19,12 +19,11 @@ from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import NORMAL, put_slip
-from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units
-from sidmacib.mechanics.newton.equilibrium import Matrix, elastic, equilibrium
+from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units, soft_law
+from sidmacib.mechanics.newton import Matrix, elastic, equilibrium
 from sidmacib.mechanics.newton.faces import ContactFaces, new_point, whole_faces
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
-from sidmacib.mechanics.springs import soft_law
 
 Graph = dict[int, set[int]]  # pieces and those that they touch
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium

@@ -1,11 +1,10 @@
 """Limit analysis of a structure, with associated friction."""
 
-from sidmacib.answers.structure_limit import limit_state
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
-from sidmacib.structure.analysis.limit import limit_mesh_error, limit_tilt
+from sidmacib.structure.analysis.limit import limit_mesh_error, limit_state, limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt
 from sidmacib.structure.loads import naming_permanent
 

@@ -22,10 +22,10 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, roots
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads, self_weight
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.mechanics.equilibrium import face_frames, self_weight
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import FirstFailure, Mode, Solver
 from sidmacib.mechanics.static import first_failure_of, solver_of

@@ -13,8 +13,8 @@ from sidmacib.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.quantities import four_digits
 from sidmacib.scene.drawn import Drawn
-from sidmacib.scene.sections import row_point
-from sidmacib.structure.analysis.rows import NEXT_TO_NOTHING, InterfaceRow
+from sidmacib.scene.forces import row_point
+from sidmacib.structure.analysis.forces import NEXT_TO_NOTHING, InterfaceRow
 
 FLAT = 0.4  # of the longer of the other sides: what is less deep is seen from its front
 FROM = np.array([-1.0, -1.7, 0.8])  # the way to who looks at others, as in `structure.js`

@@ -16,8 +16,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
 from sidmacib.quantities import some_of
-from sidmacib.structure.blocks import Block, Compound, solids_of
-from sidmacib.structure.crossing import grouped
+from sidmacib.structure.blocks import Block, Compound, grouped, solids_of
 from sidmacib.structure.interfaces import (
     NEAR,
     Interface,
@@ -26,8 +25,15 @@ from sidmacib.structure.interfaces import (
     mean_size,
     touching,
 )
-from sidmacib.structure.locks import ALL, Condensed, Locks, Row, condensed_points, cut_rows
-from sidmacib.structure.rule_limits import rule_limits
+from sidmacib.structure.locks import (
+    ALL,
+    Condensed,
+    Locks,
+    Row,
+    condensed_points,
+    cut_rows,
+    rule_limits,
+)
 from sidmacib.validation import refused
 
 MOST_CELLS = 200_000  # of all interfaces

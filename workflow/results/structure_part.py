@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.problem import Outcome
 from sidmacib.quantities import rounded
-from sidmacib.structure.analysis.rows import BlockRow, InterfaceRow, block_rows, interfaces_of
+from sidmacib.structure.analysis.forces import BlockRow, InterfaceRow, block_rows, interfaces_of
 from sidmacib.structure.files.structure_file import required_of
 from sidmacib.structure.loads import free_weight
 from workflow.case import StructureCase

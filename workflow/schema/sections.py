@@ -12,7 +12,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from sidmacib.contact_points import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
-from sidmacib.engines.engine import Numerics
+from sidmacib.engines import Numerics
 from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.joint.parameters import SIZES

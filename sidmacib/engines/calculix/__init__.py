@@ -1,1 +1,1 @@
-"""CalculiX: its abilities (module engine), and the modules copied beside every script."""
+"""The modules of CalculiX's script, copied beside it."""

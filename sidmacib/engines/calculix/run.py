@@ -1,16 +1,22 @@
 """The first failure of an assembly of elastic pieces, by finite elements in CalculiX.
 
 Its tied contacts do not break, so the load rises beyond the first failure, in steps that know
-nothing of where it is, until the strength of a node is exceeded. Between the last two states nodes
-are taken to move in proportion to the load.
+nothing of where it is, until the strength of a node is exceeded. CalculiX is stopped then: its
+results are read while it runs. Between the last two states nodes are taken to move in proportion to
+the load.
 """
 
 import math
-from collections.abc import Sequence
+import os
+import re
+import subprocess
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from time import sleep
 
 from ..scripts.assembly import GivenAssembly, Vector, dot, length, plus, utilisation
+from ..scripts.children import ENDS_WITH_PARENT
 from ..scripts.records import (
     FIRST_FAILURE,
     EngineOutcome,
@@ -20,8 +26,13 @@ from ..scripts.records import (
     NodeForce,
 )
 from .deck import JOB, CalculixDeck
-from .process import CalculixProcess, Displacements
 
+COMMAND = "ccx"
+WAIT = 0.1  # s, until results are looked for again
+NUMBER = 12  # characters of a number in the .frd file
+END, DISPLACEMENT = "\n -3\n", "\n -4  DISP "  # of a block; where displacements begin
+STATE = re.compile(r"^ +100CL +\d+ *([-+.\dEe]+) ", re.MULTILINE)
+Displacements = dict[int, tuple[float, float, float]]  # m, by node
 GROWTH = 0.25  # of the load, a step where that is more than the first one
 LARGEST_LOAD = 1e6  # over the first step
 LARGEST_UNBALANCED = 0.05  # mean force left on a piece over the load; found up to 0.007
@@ -202,3 +213,71 @@ def unbalanced(assembly: GivenAssembly, forces: Sequence[NodeForce], load: float
     free = assembly.free
     total = math.fsum(length(left[i]) for i in free)
     return total / len(free) / max(load, assembly.permanent_N, 1e-300)
+
+
+class CalculixProcess:
+    """CalculiX on the deck ``job``.inp, until it ends or is stopped."""
+
+    def __init__(self, job: str) -> None:
+        self.log = Path(f"{job}.log")
+        self.results = Path(f"{job}.frd")
+        self.results.unlink(missing_ok=True)
+        with self.log.open("w") as stream:
+            self.process = subprocess.Popen(
+                [*ENDS_WITH_PARENT, COMMAND, job],
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                env={**os.environ, "OMP_NUM_THREADS": "1"},
+            )
+
+    def states(self) -> Iterator[tuple[float, Displacements]]:
+        """Times and displacements of all increments, each as soon as it is complete."""
+        position, pending = 0, ""
+        while True:
+            ended = self.process.poll() is not None
+            if self.results.exists():
+                with self.results.open() as stream:
+                    stream.seek(position)
+                    pending += stream.read()
+                    position = stream.tell()
+            *blocks, pending = pending.split(END)
+            for block in blocks:
+                if DISPLACEMENT in block:
+                    yield read_state(block)
+            if ended:
+                return
+            sleep(WAIT)
+
+    def stop(self) -> None:
+        """End it, whatever it does."""
+        self.process.kill()
+        self.process.wait()
+
+    def version(self) -> str:
+        """The version of CalculiX, such as 2.20, from its results."""
+        with self.results.open() as stream:
+            found = re.search(r"^ +1UVERSION +Version ([\w.]+)", stream.read(4096), re.MULTILINE)
+        if not found:
+            raise SystemExit("CalculiX: its output states no version")
+        return found[1]
+
+    def why(self) -> str:
+        """Its last error, or how it ended."""
+        lines = [line.strip() for line in self.log.read_text(errors="replace").splitlines()]
+        errors = [line for line in lines if line.startswith("*ERROR")]
+        return errors[-1] if errors else f"CalculiX ended with exit code {self.process.returncode}"
+
+
+def read_state(block: str) -> tuple[float, Displacements]:
+    """Time and displacements in the part of an .frd file that ends with a state's last line."""
+    found = STATE.findall(block)
+    if not found:
+        raise SystemExit("CalculiX's results are not understood: displacements without a time")
+    lines = block[block.rindex(DISPLACEMENT) :].splitlines()
+    moved: Displacements = {}
+    for line in lines:
+        if line.startswith(" -1"):
+            x, y, z = (float(line[13 + NUMBER * k : 13 + NUMBER * (k + 1)]) for k in range(3))
+            moved[int(line[3:13])] = x, y, z
+    return float(found[-1]), moved

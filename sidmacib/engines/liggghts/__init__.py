@@ -1,1 +1,1 @@
-"""LIGGGHTS: its abilities (module engine), and the modules copied beside every script."""
+"""The modules of LIGGGHTS's script, copied beside it."""

@@ -1,1 +1,1 @@
-"""YADE: its abilities (module engine), and the modules copied beside every script."""
+"""The modules of YADE's script, copied beside it."""

@@ -22,8 +22,16 @@ from ..scripts.assembly import (
 from ..scripts.motion import STILL, Fall, PieceMotion
 from ..scripts.records import EngineOutcome, History, NodeForce
 from ..scripts.surroundings import Surroundings, centres
-from .contacts import contact, keep_in_tension, node_force, watch, without_friction_of_bonds
-from .program import O, Vector3, wrapper
+from .program import (
+    O,
+    Vector3,
+    contact,
+    keep_in_tension,
+    node_force,
+    watch,
+    without_friction_of_bonds,
+    wrapper,
+)
 
 SLICE = 10  # time steps between two looks at the assembly
 SLOW = 0.02  # largest acceleration of what is moved over that of gravity

@@ -21,7 +21,7 @@ import numpy as np
 from sidmacib.errors import UnsettledError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law.kernels import friction_limits, rubbing, with_given_friction
-from sidmacib.mechanics.newton.equilibrium import (
+from sidmacib.mechanics.newton import (
     QUICK,
     Matrix,
     allowed_at,
@@ -45,7 +45,7 @@ UNSETTLED = (
 
 @dataclass(frozen=True)
 class EquilibriumSearch:
-    """The problem whose equilibrium is sought, see `sidmacib.mechanics.newton.equilibrium.newton`.
+    """The problem whose equilibrium is sought, see `sidmacib.mechanics.newton.newton`.
 
     ``target`` (U,) in N; ``slip`` (2, N) in m and ``whole`` (N,) of the nodes; ``stiffness`` of the
     stiffest face and ``floor`` in N/m; ``allowed``: norm of unbalanced forces, N; ``farthest``: a

@@ -21,6 +21,7 @@ from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError, U
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.equilibrium import compliance
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
@@ -32,7 +33,6 @@ from sidmacib.mechanics.solution import (
     Solver,
     StaticSolution,
 )
-from sidmacib.mechanics.springs import compliance
 from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
 from sidmacib.validation import require_positive
 
@@ -66,7 +66,7 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
         raise CapacityError(reason)
     if assembly.elastic:
         # Imported here: finite elements take longer to import than most joints to solve.
-        elastic = importlib.import_module("sidmacib.mechanics.elastic.solver")
+        elastic = importlib.import_module("sidmacib.mechanics.elastic")
         return elastic.ElasticSolver(assembly, loads)
     return RigidSolver(assembly, loads)
 

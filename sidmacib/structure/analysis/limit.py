@@ -1,11 +1,11 @@
-"""Limit analysis of structures under gravity that turns, and mesh errors of limit loads.
+"""Limit analysis of structures, also under gravity that turns, and mesh errors of limit loads.
 
 The angle above which no admissible forces carry gravity is an upper bound where friction is
 associated: blocks that wedge each other carry any load in limit analysis, but in a path of loading
 only if something presses them together first.
 
-Apart from the static model, in `sidmacib.structure.analysis.tilt` and
-`sidmacib.structure.analysis.mesh_error`, so that no path is followed again where this changes.
+Apart from the static model, in `sidmacib.structure.analysis.tilt` and `sidmacib.mesh_error`, so
+that no path is followed again where this changes, and following one loads no solver of programmes.
 """
 
 import math
@@ -14,13 +14,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sidmacib.errors import CapacityError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
+from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned, turning
-from sidmacib.structure.loads import free_weight
+from sidmacib.structure.loads import free_weight, naming_permanent
 from sidmacib.structure.structure import refined
 
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
@@ -30,6 +31,25 @@ AT_CORNERS = (NodeLayout.VERTICES, NodeLayout.LOBATTO)
 MOST_NODES = 5000  # of the finer mesh: more take longer than the answer
 FACTOR = 2.0  # on the change from a mesh to the finer one: all that errors of first order have left
 DIGITS = 9  # of the error after the decimal point; the rest is the solver's
+
+
+def limit_state(assembly: Assembly, loads: Loads, most: float | None = None) -> LimitState:
+    """The state at the largest load that forces can balance, or at ``most`` (N), with friction.
+
+    `sidmacib.errors.CapacityError` if there is none, or if the structure does not stand.
+    """
+    with naming_permanent(loads):
+        require_standing(assembly, loads, friction=True)
+        return limit_load(assembly, loads, friction=True, most=most)
+
+
+def assumes(assembly: Assembly) -> str:
+    """What limit analysis assumes that may put its load too high or too low."""
+    if any(isinstance(face, CondensedLocks) and face.limits for face in assembly.faces):
+        return "locks limited by the rule, held down as given; the first lock to fail governs"
+    if any(face.kind is Kind.INNER for face in assembly.faces):
+        return "ductile, frictionless bonds: neither an upper nor a lower bound for brittle bonds"
+    return "associated friction: may overestimate"
 
 
 @dataclass(frozen=True)

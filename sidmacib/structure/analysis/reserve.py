@@ -1,4 +1,4 @@
-"""What a structure has in reserve under permanent loads alone, by limit analysis.
+"""What a structure has in reserve under permanent loads alone: whether it stands, and by how much.
 
 The geometrical safety factor: thickness of the interfaces over the least with which it stands. All
 points of an interface are moved towards its middle until no admissible forces balance the permanent
@@ -16,11 +16,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sidmacib.errors import InfeasibleError, UnboundedError
+from sidmacib.errors import (
+    DOES_NOT_STAND,
+    CapacityError,
+    InfeasibleError,
+    NoEquilibriumError,
+    UnboundedError,
+)
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Vector
 from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
 from sidmacib.mechanics.limit import limit_load, require_standing
-from sidmacib.structure.loads import StructureLoads, free_weight, pushed
+from sidmacib.mechanics.rigid import RigidSolver
+from sidmacib.problem import Problem
+from sidmacib.structure.analysis.forces import interface_forces
+from sidmacib.structure.loads import StructureLoads, free_weight, naming_permanent, pushed
 
 MOST = 100.0  # geometrical safety factor: beyond, there is no limit
 PRECISION = 1e-4  # of it, over itself
@@ -145,3 +154,59 @@ def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None
     cone = all(face.kind is Kind.DRY for face in assembly.faces) and not crushed_faces(assembly)
     tilt = math.degrees(math.atan(acceleration)) if cone and loads.beside is None else None
     return Push(acceleration, (x, y, z), state.mechanism, tilt)
+
+
+@dataclass(frozen=True, eq=False)
+class Reserve:
+    """What limit analysis and the static model answer without a load that is raised.
+
+    ``factor``: the geometrical safety factor; None where it has no limit, or bonds or locks are
+    there. ``least``: the least horizontal acceleration; None if there is none; ``tried``: others.
+    ``static``: what the static model says against it, or nothing; ``falls``: whether that is that
+    it does not stand, or that a bond fails. ``strength``: compressive strength over the strength
+    needed; None where there is none, or no limit.
+    """
+
+    factor: float | None
+    least: Push | None
+    tried: tuple[Push, ...]
+    static: str
+    falls: bool
+    strength: float | None
+
+
+def reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
+    """The reserve of a structure; `CapacityError` if it does not stand in limit analysis.
+
+    ``tell`` is told what is found.
+    """
+    assembly, loads = problem
+    assert isinstance(loads, StructureLoads), "loads of a structure"
+    with naming_permanent(loads):
+        require_standing(assembly, loads, friction=True)
+        tell("stands in limit analysis; horizontal accelerations ...")
+        tried = pushes(assembly, loads, tell)
+        tell("geometrical safety factor ...")
+        factor, least = geometrical_factor(assembly, loads), least_push(assembly, loads, tried)
+        strength = strength_factor(assembly, loads)
+    static, falls = "", False
+    try:
+        with naming_permanent(loads):
+            _require_static(problem)
+    except CapacityError as error:
+        static, falls = str(error), isinstance(error, NoEquilibriumError)
+    return Reserve(factor, least, tried, static, falls, strength)
+
+
+def _require_static(problem: Problem) -> None:
+    """`CapacityError` unless the structure stands in the static model, and no bond fails."""
+    assembly = problem.assembly
+    if reason := assembly.without_stiffness:
+        raise CapacityError(reason)
+    try:
+        state = RigidSolver(*problem).start()
+    except NoEquilibriumError:
+        raise NoEquilibriumError(DOES_NOT_STAND) from None
+    for face in interface_forces(assembly, state.force):
+        if face.bonded and face.utilisation > 1.0:
+            raise NoEquilibriumError(f"the bond of {face.name} fails under its own weight")

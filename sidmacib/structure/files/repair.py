@@ -14,12 +14,13 @@ from sidmacib.structure.blocks import (
     Block,
     area_vector,
     compact,
+    fans,
+    grouped,
     normal_of,
     off_plane,
     require_few_faces,
     vectors,
 )
-from sidmacib.structure.crossing import fans, grouped
 from sidmacib.validation import refused
 
 MOST_NAMES = 8  # in a message

@@ -18,8 +18,8 @@ from sidmacib.quantities import Count, Length, Number, one_of, shown
 from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
 from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.files.block_files import FileSection
 from sidmacib.structure.files.compas import DENSITIES
-from sidmacib.structure.files.file_section import FileSection
 from sidmacib.structure.files.loads import LoadCaseSection, LoadSection, PermanentSection
 from sidmacib.structure.files.selection import Between
 from sidmacib.structure.locks import ALL, Condensed, Locks

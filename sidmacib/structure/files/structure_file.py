@@ -11,10 +11,9 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block
+from sidmacib.structure.files.block_files import SUFFIXES, FileSection
 from sidmacib.structure.files.compas import NAME
-from sidmacib.structure.files.file_section import FileSection
 from sidmacib.structure.files.loads import LoadSection, PermanentSection, permanent_on
-from sidmacib.structure.files.meshes import SUFFIXES
 from sidmacib.structure.files.sections import (
     FROM_FILE,
     LocksSection,
