@@ -19,7 +19,7 @@ from sidmacib.scene.page import SCRIPTS
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.results.columns import TABLES
+from workflow.results.tables import TABLES
 
 
 @pytest.mark.parametrize(
