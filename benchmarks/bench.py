@@ -33,10 +33,10 @@ from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Problem
 from sidmacib.rule import RULES, first_failure
-from workflow.closure import ROOT
 from workflow.results import read_times
 from workflow.sampling import sampled_joints, solved_rows
 from workflow.schema.sections import SamplingSection
+from workflow.step import ROOT
 
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
 RATIOS = [round(0.02 * n, 2) for n in range(50)]

@@ -15,8 +15,8 @@ import pandas as pd
 import yaml
 
 from benchmarks.usage import used
-from workflow.closure import ROOT
 from workflow.results import read_times
+from workflow.step import ROOT
 
 MESHES = [0.02, 0.03]
 SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}

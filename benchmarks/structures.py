@@ -25,7 +25,7 @@ from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
-from workflow.closure import ROOT
+from workflow.step import ROOT
 
 BRICK = (0.4, 0.2, 0.2)  # m
 DENSITY = 2000.0  # kg/m3
