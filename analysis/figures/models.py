@@ -12,7 +12,7 @@ from analysis.drawing import label_of
 from analysis.figures import shown_samples, style
 from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.style import FigureData
-from analysis.static_path import behind, path_again
+from analysis.paths import behind, path_again
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.joint import UpperBody
