@@ -22,9 +22,9 @@ import sidmacib
 from analysis.explore.pictures import answers, pictures
 from analysis.explore.state import Settings
 from analysis.tables.comparisons import best_pair
-from benchmarks.peers import peer_times
-from benchmarks.structures import armadillo_figures, wall_figures
-from benchmarks.usage import seconds, used
+from benchmarks import seconds, used
+from benchmarks.peers import armadillo_figures, peer_times
+from benchmarks.scaling import wall_figures
 from sidmacib.engines import ENGINES
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import Direction, Joint, UpperBody
