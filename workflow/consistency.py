@@ -17,8 +17,14 @@ from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE, structure_case_name
 from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases
-from workflow.schema.sections import AssemblySection, NumericsSection, PartSection, Pieces, changed
-from workflow.schema.values import NAME_LENGTH
+from workflow.schema.sections import (
+    NAME_LENGTH,
+    AssemblySection,
+    NumericsSection,
+    PartSection,
+    Pieces,
+    changed,
+)
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
