@@ -12,8 +12,7 @@ from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure
 from studies.structures.compare import PUBLISHED, TYPES
 from studies.structures.other_methods import pyramid_tilt, relaxed_tilt
-from studies.structures.samples import AXES
-from studies.structures.shapes import answers, pushed_walls
+from studies.structures.shapes import AXES, answers, pushed_walls
 
 Y = Tilt((0.0, 1.0, 0.0))
 

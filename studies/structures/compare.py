@@ -35,8 +35,16 @@ from studies.structures.other_methods import (
     rbe_verdict,
     relaxed_tilt,
 )
-from studies.structures.samples import ABOUT, AXES, SAMPLES, Sample, fetched, sample_structure
-from studies.structures.shapes import answers, pushed_walls
+from studies.structures.shapes import (
+    ABOUT,
+    AXES,
+    SAMPLES,
+    Sample,
+    answers,
+    fetched,
+    pushed_walls,
+    sample_structure,
+)
 
 PUBLISHED = Path(__file__).parent / "published.yaml"
 TYPES = ("type-a", "type-b", "type-c", "type-d")

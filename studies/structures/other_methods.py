@@ -33,7 +33,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, free_rows, row_units
 from sidmacib.structure.analysis.limit import SECTOR
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned
-from studies.structures.samples import HEAVY, Sample
+from studies.structures.shapes import HEAVY, Sample
 
 STEP = 0.25  # degrees
 STEPS = 2_000_000  # of time, in which the block must come to rest
