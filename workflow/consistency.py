@@ -290,7 +290,7 @@ def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterat
         ):
             yield from _among(f"{key}.{name}.{what}", chosen or (), what, allowed)
     names = detailed(name for name in study.models_of(sample) if name in MODELS)
-    if names and not any(study.whole_curve(sample, name) for name in names):
+    if names and not {*names} & {*study.models_of_whole(sample)}:
         yield (
             f"samples.{sample}.only: {_some(names)} run only parts of the study; one of them "
             "must run at all "

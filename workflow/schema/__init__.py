@@ -27,7 +27,6 @@ from workflow.schema.sections import (
     Name,
     NumericsChanges,
     NumericsSection,
-    PartSection,
     Pieces,
     Positive,
     ReliabilitySection,
@@ -325,12 +324,18 @@ class Study(Section):
         names = self.samples[sample].models
         return tuple(name for name in self.model_names if names is None or name in names)
 
-    def whole_curve(self, sample: str, model: str) -> bool:
-        """Whether ``model`` runs ``sample`` at all meshes and eccentricities of the study."""
-        part = self.samples[sample].only.get(model, PartSection())
-        return {*self.meshes} <= {*(part.meshes or self.meshes)} and {*self.eccentricities} <= {
-            *(part.eccentricities or self.eccentricities)
-        }
+    def models_of_whole(self, sample: str) -> tuple[str, ...]:
+        """Those of `models_of` that run all of a sample: all meshes and eccentricities."""
+        parts = {name: self.samples[sample].only.get(name) for name in self.models_of(sample)}
+        return tuple(
+            name
+            for name, part in parts.items()
+            if part is None
+            or (
+                {*self.meshes} <= {*(part.meshes or self.meshes)}
+                and {*self.eccentricities} <= {*(part.eccentricities or self.eccentricities)}
+            )
+        )
 
     @property
     def base_joint(self) -> Joint:
