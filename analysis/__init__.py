@@ -2,6 +2,6 @@
 
 In the order of the data: ``tables``, then ``figures``, ``summary`` and ``report``; files by ``vtk``
 for ParaView. ``calibration`` runs studies of its own, ``explore`` serves pages with sliders.
-``static_path`` solves the static model again where pictures show nodes; ``published`` has the
-paper's numbers; ``drawing`` is shared by figures, report and explorer.
+``paths`` solves the static model again where pictures show nodes; ``published`` has the paper's
+numbers; ``drawing`` is shared by figures, report and explorer.
 """

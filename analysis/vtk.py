@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 
+from analysis.paths import displacements
 from sidmacib.engines.results import force_to_stress
 from sidmacib.joint.pieces import upper_block
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Kind, Piece
@@ -102,15 +103,6 @@ def nodes_mesh(assembly: Assembly, point: Equilibrium) -> meshio.Mesh:
             "face": nodes.face.astype(float),
         },
     )
-
-
-def displacements(assembly: Assembly, point: Equilibrium) -> Floats:
-    """Displacement (m) and rotation of each piece, shape (P, 6); none of fixed or elastic ones."""
-    moved = np.zeros((len(assembly.pieces), 6))
-    if not assembly.elastic:
-        free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
-        moved[free] = point.unknowns.reshape(len(free), 6)
-    return moved
 
 
 def interfaces_mesh(assembly: Assembly, rows: Sequence[InterfaceRow]) -> meshio.Mesh:

@@ -22,9 +22,9 @@ import sidmacib
 from analysis.explore.pictures import answers, pictures
 from analysis.explore.state import Settings
 from analysis.tables.comparisons import best_pair
-from benchmarks.peers import peer_times
-from benchmarks.structures import armadillo_figures, wall_figures
-from benchmarks.usage import seconds, used
+from benchmarks import seconds, used
+from benchmarks.peers import armadillo_figures, peer_times
+from benchmarks.scaling import wall_figures
 from sidmacib.engines import ENGINES
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import Direction, Joint, UpperBody
@@ -33,10 +33,10 @@ from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Problem
 from sidmacib.rule import RULES, first_failure
-from workflow.closure import ROOT
 from workflow.results import read_times
 from workflow.sampling import sampled_joints, solved_rows
 from workflow.schema.sections import SamplingSection
+from workflow.step import ROOT
 
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
 RATIOS = [round(0.02 * n, 2) for n in range(50)]

@@ -1,8 +1,9 @@
-"""Other programs on the published joint, for `make bench`: how long each takes for a point.
+"""Other programs, for `make bench`: times for a point of the published joint, and an armadillo.
 
 HiGHS as SciPy has it solves the same linear programme. `compas_cra` and `compas_lmgc90` (the extra
 ``peers``; left out where they are not installed) know rigid blocks that touch with friction, but no
-strength of a lock: their points are the joint's pieces at rest, and no capacity.
+strength of a lock: their points are the joint's pieces at rest, and no capacity. The armadillo is a
+sample of compas_cra.
 """
 
 import importlib.util
@@ -13,24 +14,31 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
 from functools import partial
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.optimize import linprog
 
-from benchmarks.usage import seconds
+from benchmarks import seconds
 from sidmacib.contact_points import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import cut_pieces
-from sidmacib.mechanics.assembly import Cuboid, Floats
+from sidmacib.mechanics.assembly import Cuboid, FaceMaterial, Floats
+from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.blocks import box
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.loads import acceleration
+from sidmacib.structure.structure import structure
 
 DIRECTIONS = 200
 STEPS = 100  # of compas_lmgc90 to rest
+PATIENCE = 120.0  # s of processor time that compas_cra may take for the armadillo
+ARMADILLO_FRICTION = 0.84  # compas_cra's default
 
 BY_CRA = """
 import sys, time
@@ -63,6 +71,30 @@ def peer_times(joint: Joint) -> Iterator[tuple[str, float]]:
     for name, solve in (("compas_cra", at_rest_by_cra), ("compas_lmgc90", at_rest_by_lmgc90)):
         if importlib.util.find_spec(name):
             yield f"{name}, the pieces at rest", _each(partial(solve, joint), 1)
+
+
+def armadillo_figures() -> Iterator[tuple[str, str, float]]:
+    """The armadillo of compas_cra, 399 blocks: forces at rest by that program, a limit load here.
+
+    Lines for `make bench`: what was measured, its unit and its value. Nothing where compas_cra is
+    not installed, which has the blocks.
+    """
+    if not importlib.util.find_spec("compas_cra"):
+        return
+    path = Path(str(files("compas_cra"))) / "data/samples/armadillo_cra.json"
+    blocks = read_compas(path, 1.0)
+    law = FaceMaterial(1e10, 1e10, ARMADILLO_FRICTION, 0.0, 0.0)
+    ours = structure(blocks, law, regions=read_compas_interfaces(path, blocks))
+    loads = acceleration(ours, (1.0, 0.0, 0.0))
+    spent = seconds(lambda: limit_load(ours, loads, friction=True))
+    yield "armadillo: limit analysis", "CPU-s", spent
+    for name in ("rbe", "cra"):
+        what = f"armadillo at rest: compas_cra, {name.upper()}"
+        by_cra = seconds_by_cra(path, name, ARMADILLO_FRICTION, PATIENCE)
+        if by_cra is None:
+            yield f"{what}, stopped without an answer", "CPU-s", PATIENCE
+        else:
+            yield what, "CPU-s", by_cra
 
 
 def _each(work: Callable[[], object], count: int) -> float:

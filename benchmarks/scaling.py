@@ -1,27 +1,47 @@
-"""Time, files and memory of large studies: `make scaling CASES=100000`.
+"""Growth of time and memory with the size: `make scaling CASES=100000`, and walls of more blocks.
 
 That many cases of the static model are solved and their table is made, and again when there is
 nothing to do. Fits, figures and report are left out: they grow with what is asked of them.
 Time on the clock and of processors, memory of the largest process, files and bytes are in
 tables/scaling.csv, beside those of a tenth and a hundredth of the cases.
+
+``python -m benchmarks.scaling --blocks 10000`` measures walls up to that many blocks in place of
+cases: tables/walls.csv has the times of the models, and the memory. `make bench` has one of them.
 """
 
 import argparse
+import math
+import resource
 import sys
 import tempfile
+import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import yaml
 
-from benchmarks.usage import used
-from workflow.closure import ROOT
+from benchmarks import seconds, used
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static import static_first_failure
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.loads import acceleration
+from sidmacib.structure.structure import structure
 from workflow.results import read_times
+from workflow.step import ROOT
 
 MESHES = [0.02, 0.03]
 SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}
+BRICK = (0.4, 0.2, 0.2)  # m
+DENSITY = 2000.0  # kg/m3
+DRY = FaceMaterial(1e10, 1e10, 0.6, 0.0, 0.0)
+MORTAR = FaceMaterial(1e10, 1e10, 0.6, 1e5, 5e4)
+WALL_SIZES = (100, 300, 1000, 3000, 10_000)
 
 
+# --- studies of many cases -----------------------------------------------------------------------
 def study(cases: int) -> dict[str, object]:
     """A study of about that many cases of the static model."""
     each = max(1, round(cases / len(MESHES) / len(SAMPLES)))
@@ -35,7 +55,7 @@ def study(cases: int) -> dict[str, object]:
     }
 
 
-def row(cases: int, folder: Path) -> dict[str, float]:
+def study_row(cases: int, folder: Path) -> dict[str, float]:
     """Run a study of about that many cases in ``folder``, twice."""
     config = study(cases)
     path, results = folder / "study.yaml", folder / "results"
@@ -62,20 +82,97 @@ def row(cases: int, folder: Path) -> dict[str, float]:
     }
 
 
+# --- structures of many blocks -------------------------------------------------------------------
+def wall(count: int) -> list[Block]:
+    """A wall of at least ``count`` bricks in running bond on a base, half as high as it is long."""
+    length, depth, height = BRICK
+    courses = max(1, round(math.sqrt(count * length / (2 * height))))
+    bricks = math.ceil(count / courses)
+    ends = (-length, 0.0, -height), ((bricks + 1) * length, depth, 0.0)
+    blocks = [box("base", *ends, DENSITY, fixed=True)]
+    for course in range(courses):
+        shift, low = (course % 2) * length / 2, course * height
+        for number in range(bricks):
+            x = shift + number * length
+            ends = (x, 0.0, low), (x + length, depth, low + height)
+            blocks.append(box(f"brick{course}-{number}", *ends, DENSITY))
+    return blocks
+
+
+def wall_times(count: int, *, limit: bool = True) -> dict[str, Any]:
+    """Times (CPU-s) of a wall of at least ``count`` bricks, with nodes at vertices.
+
+    Interfaces are found; the static model raises an acceleration of the bonded wall until the first
+    bond fails, and limit analysis, if asked, one of the dry wall to its limit. ``memory_MB``: the
+    largest of this process so far.
+    """
+    blocks = wall(count)
+    start = time.process_time()
+    bonded = structure(blocks, MORTAR, nodes=NodeLayout.VERTICES)
+    finding = time.process_time() - start
+    loads = acceleration(bonded, (1.0, 0.0, 0.0))
+    static = seconds(lambda: static_first_failure(bonded, loads))
+    spent = _limit_seconds(structure(blocks, DRY)) if limit else None
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return {
+        **{"blocks": len(blocks) - 1, "interfaces": len(bonded.faces), "finding_s": finding},
+        **{"limit_s": spent, "static_s": static, "memory_MB": memory},
+    }
+
+
+def _limit_seconds(assembly: Assembly) -> float:
+    """CPU-s of limit analysis for a horizontal acceleration."""
+    loads = acceleration(assembly, (1.0, 0.0, 0.0))
+    return seconds(lambda: limit_load(assembly, loads, friction=True))
+
+
+def wall_figures(count: int) -> Iterator[tuple[str, str, float]]:
+    """`wall_times` as lines for `make bench`: what was measured, its unit and its value."""
+    times = wall_times(count)
+    what = f"wall of {times['blocks']:,} blocks"
+    yield f"{what}: finding its {times['interfaces']:,} interfaces", "CPU-s", times["finding_s"]
+    yield f"{what}: limit analysis", "CPU-s", times["limit_s"]
+    yield f"{what}, bonded: static model to the first failure", "CPU-s", times["static_s"]
+
+
+# --- tables --------------------------------------------------------------------------------------
+def study_rows(most: int) -> Iterator[dict[str, Any]]:
+    """A row for a hundredth of the cases, a tenth of them, and all."""
+    for cases in (most // 100, most // 10, most):
+        with tempfile.TemporaryDirectory(prefix="multilock-scaling-") as name:
+            yield study_row(cases, Path(name))
+
+
+def wall_rows(most: int, limited: int) -> Iterator[dict[str, Any]]:
+    """A row for each wall of at most so many blocks; ``limited``: of the largest with a limit."""
+    wall_times(10)  # compiles
+    for count in WALL_SIZES:
+        if count <= most:
+            yield wall_times(count, limit=count <= limited)
+
+
 def main() -> None:
-    """Command line: how many cases, and where the table goes."""
+    """Command line: how many cases, or blocks, and where the table goes."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", type=int, default=100_000)
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--cases", type=int, default=100_000)
+    size.add_argument("--blocks", type=int, help="of the largest wall, in place of cases")
+    parser.add_argument(
+        "--limit-blocks", type=int, default=3000, help="of the largest wall for limit analysis"
+    )
     parser.add_argument("--results", type=Path, default=ROOT / "results")
     arguments = parser.parse_args()
-    path = arguments.results / "tables/scaling.csv"
+    name, digits, found = "scaling", 6, study_rows(arguments.cases)
+    if arguments.blocks is not None:
+        name, digits, found = "walls", 4, wall_rows(arguments.blocks, arguments.limit_blocks)
+    path = arguments.results / f"tables/{name}.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     rows = []
-    for cases in (arguments.cases // 100, arguments.cases // 10, arguments.cases):
-        with tempfile.TemporaryDirectory(prefix="multilock-scaling-") as name:
-            rows.append(row(cases, Path(name)))
-        print(", ".join(f"{key} {value:.4g}" for key, value in rows[-1].items()), flush=True)
-        pd.DataFrame(rows).to_csv(path, index=False, float_format="%.6g")
+    for each in found:
+        rows.append(each)
+        pd.DataFrame(rows).to_csv(path, index=False, float_format=f"%.{digits}g")
+        shown = {key: "-" if value is None else f"{value:.4g}" for key, value in each.items()}
+        print(", ".join(f"{key} {value}" for key, value in shown.items()), flush=True)
     print(f"Table: {path}")
 
 

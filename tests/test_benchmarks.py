@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks import used
 from benchmarks.peers import furthest_by_highs, standard_form
-from benchmarks.usage import used
 from sidmacib import OPTIONS, Joint
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
 

@@ -91,8 +91,9 @@ def test_a_model_runs_a_part_of_a_sample_and_the_reference_variant_always() -> N
     assert found["liggghts"] == ["n3-mesh0.02-e0a", "n3-mesh0.02-e0a-half"]
     assert found["yade"] == [f"n3-mesh{mesh}-e{e}a" for mesh in (0.02, 0.005) for e in (0, 0.5)]
     assert case_count(study) == len(cases)
-    assert study.whole_curve("n3", "yade")
-    assert not study.whole_curve("n3", "liggghts")
+    whole = study.models_of_whole("n3")
+    assert "yade" in whole
+    assert "liggghts" not in whole
 
 
 def test_a_sample_has_faces_and_models_of_its_own() -> None:

@@ -14,11 +14,11 @@ from sidmacib import Direction, Elastic, Joint, Loading
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
 from sidmacib.models import MODELS
-from workflow import closure as module
+from workflow import step as module
 from workflow.case import JointSubject
-from workflow.closure import closure, code_digest, source
 from workflow.configuration import read_study
 from workflow.jobs import case_jobs
+from workflow.step import closure, code_digest, source
 
 TRACE = """
 import importlib, json, pathlib, sys

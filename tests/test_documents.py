@@ -18,8 +18,7 @@ from sidmacib.yaml_text import parsed
 from workflow import site
 from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
-from workflow.results.tables import MODELS, read_table
+from workflow.results.tables import MODELS, TABLES, columns_of, meaning, meanings, read_table
 from workflow.schema import Study
 from workflow.schema.sections import AssemblySection
 
@@ -163,10 +162,11 @@ def test_every_column_of_every_table_has_a_meaning_and_every_meaning_a_column() 
         for column in columns_of(table):
             assert meaning(table, column), f"{table.name}: {column}"
     names = {table.name: columns_of(table) for table in TABLES}
-    assert set(MEANINGS) <= {column for columns in names.values() for column in columns}
-    for name, exceptions in EXCEPTIONS.items():
+    everywhere, by_table = meanings()
+    assert set(everywhere) <= {column for columns in names.values() for column in columns}
+    for name, exceptions in by_table.items():
         assert set(exceptions) <= set(names[name])
-        assert all(MEANINGS.get(column) != text for column, text in exceptions.items())
+        assert all(everywhere.get(column) != text for column, text in exceptions.items())
 
 
 @pytest.mark.study

@@ -9,7 +9,6 @@ from command_runner import run
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.explore.comparison import compared
 from analysis.explore.pictures import Counted, answers, covered, effects, pictures, which_counts
 from analysis.explore.state import (
     SLIDERS,
@@ -17,6 +16,7 @@ from analysis.explore.state import (
     as_configuration,
     as_python,
     checked,
+    compared,
     from_query,
     query_of,
 )

@@ -20,7 +20,7 @@ from analysis.tables.comparisons import variants_table
 from sidmacib import Joint, NodeLayout
 from sidmacib.engines import ENGINES
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.models import LAWS, detailed
+from sidmacib.models import LAWS
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
@@ -30,7 +30,7 @@ from workflow.results.tables import write_table
 
 def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     study = read_study_file(ROOT / "config.yaml")
-    figures = figures_of(study, detailed(study.model_names))
+    figures = figures_of(study)
     kinds = ("joint", "options", "shear_stress", "torsion_stress", "revised", "models")
     samples = ("n3", "n5", "n3_fits", "n5_fits")
     per_sample = {f"{kind}-{sample}" for kind in kinds for sample in samples}
@@ -42,7 +42,7 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
 
 def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}})
-    figures = figures_of(study, detailed(study.model_names))
+    figures = figures_of(study)
     assert figures["shear_stress-n3"].case.name == "n3-mesh0.005-e0a"
     assert figures["torsion_stress-n3"].case.name == "n3-mesh0.005-e0.5a"
 
@@ -51,7 +51,7 @@ def test_what_runs_a_part_of_a_sample_leads_no_figure_and_shows_what_it_has() ->
     only = {"yade": {"eccentricities": [0]}, "liggghts": {"meshes": [0.02]}}
     sample = {"locks": 3, "only": only}
     study = read_study({"samples": {"n3": sample}, "dem": {"engines": [*only]}})
-    figures = figures_of(study, detailed(study.model_names))
+    figures = figures_of(study)
     assert figures["shear_stress-n3"].case.model == "static"
     assert figures["torsion_stress-n3-yade"].case.name == "n3-mesh0.005-e0a"
     assert "shear_stress-n3-liggghts" not in figures
@@ -59,7 +59,7 @@ def test_what_runs_a_part_of_a_sample_leads_no_figure_and_shows_what_it_has() ->
 
 def test_a_sweep_over_many_samples_has_figures_of_the_first_ones_only() -> None:
     study = read_study({"samples": {f"n{n}": {"locks": 3} for n in range(40)}})
-    drawn = {spec.sample for spec in figures_of(study, detailed(study.model_names)).values()}
+    drawn = {spec.sample for spec in figures_of(study).values()}
     assert drawn == {None, *(f"n{n}" for n in range(12))}
 
 
@@ -106,7 +106,7 @@ def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> lis
         write_table(kind, tables[kind.name], inputs[kind.name])
     part = study.part("variants", "figures", "measured")
     arguments = {"study": part}
-    names = figures_of(study, detailed(study.model_names))
+    names = figures_of(study)
     saved = [folder / f"{name}.png" for name in names if not name.startswith(("joint", "options"))]
     run(arguments, inputs, {"figures": saved})
     return [path.stem for path in saved if path.exists()]

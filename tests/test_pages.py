@@ -7,9 +7,8 @@ import pandas as pd
 import pytest
 
 from studies.attack.search import MORE, MORE_LOCKS
-from studies.elastic import page as elastic
 from studies.locks.tables import BONDS
-from studies.pages import BLOCK, BLOCKS, filled
+from studies.pages import BLOCK, BLOCKS, elastic_loads, elastic_unsafe, filled
 from studies.published import page as published
 from workflow.results.tables import CAPACITY, CASES, VARIANTS, read_table, write_table
 from workflow.schema import Study
@@ -109,11 +108,11 @@ def test_elastic_blocks_are_listed_from_stiff_to_soft(tmp_path: Path) -> None:
     ]
     table = pd.DataFrame(rows, columns=list(VARIANTS.columns))
     write_table(VARIANTS, table, tmp_path / "tables" / "variants.csv")
-    lines = elastic.loads(tmp_path).splitlines()
+    lines = elastic_loads(tmp_path).splitlines()
     minus = "\N{MINUS SIGN}"
     assert lines[2] == f"| rigid | \N{INFINITY} | columns | 1.50 (+50 %) | 1.50 ({minus}25 %) |"
     assert lines[3] == f"| 10 | 20 | columns | 1.00 (+0 %) | 1.00 ({minus}50 %) |"
-    assert elastic.unsafe(tmp_path).splitlines()[2] == "| rigid | columns | 4: 10 % | 4: 10 % |"
+    assert elastic_unsafe(tmp_path).splitlines()[2] == "| rigid | columns | 4: 10 % | 4: 10 % |"
 
 
 def test_attacks_on_rigid_and_on_elastic_blocks_fill_tables_of_their_own(tmp_path: Path) -> None:

@@ -11,9 +11,10 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from chromium import Opened, needs_browser, until
 
-from analysis.report import json_table, paths
+from analysis import paths
+from analysis.paths import paths_of, shown_cases
+from analysis.report import json_table
 from analysis.report.page import as_yaml, page, provenance, versions_of
-from analysis.report.paths import paths_of, shown_cases
 from sidmacib.yaml_text import parsed
 from workflow.cases import cases_of
 from workflow.command import REPORT

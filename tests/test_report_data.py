@@ -9,17 +9,17 @@ import pytest
 from conftest import ROOT
 from small import SMALL
 
+from analysis.paths import path_of, shown_cases
 from analysis.report import headings, words
 from analysis.report.joints import sample_words
 from analysis.report.page import ADDRESS, SCRIPTS_OF_PARTS
 from analysis.report.page import SCRIPTS as SCRIPTS_OF_ALL
-from analysis.report.paths import path_of, shown_cases
 from sidmacib.mechanics.static import static_peak
 from sidmacib.scene.page import SCRIPTS
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.results.columns import TABLES
+from workflow.results.tables import TABLES
 
 
 @pytest.mark.parametrize(

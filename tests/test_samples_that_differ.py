@@ -12,7 +12,6 @@ from analysis.published import comparisons, difference_text, read_published
 from analysis.summary.summary import leading_models, summary
 from analysis.tables.capacity import sidmacib_rows
 from analysis.tables.collect import weights_table
-from sidmacib.models import detailed
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
@@ -119,7 +118,7 @@ def test_a_mesh_error_above_2_percent_is_named_with_help(tables: dict[str, pd.Da
 
 # --- in figures ----------------------------------------------------------------------------------
 def test_stress_maps_of_a_sample_are_those_of_the_models_that_run_on_it(study: Study) -> None:
-    figures = figures_of(study, detailed(study.model_names))
+    figures = figures_of(study)
     assert figures["shear_stress-n3"].case.model == "yade"
     assert figures["shear_stress-n3_fits"].case.model == "static"
     assert "shear_stress-n3-static" not in figures

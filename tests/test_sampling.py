@@ -18,8 +18,7 @@ from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml
 from studies.locks import law
-from studies.locks.freedoms import freedoms_table
-from studies.locks.tables import law_table, points_of, unit_loads
+from studies.locks.tables import freedoms_table, law_table, points_of, unit_loads
 from studies.locks.variation import VARIED, sensitivity_table
 from workflow import sampling as solve_step
 from workflow.configuration import read_study_file

@@ -11,10 +11,8 @@ from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure
 from studies.structures.compare import PUBLISHED, TYPES
-from studies.structures.finite_rotation import relaxed_tilt
-from studies.structures.rbe import pyramid_tilt
-from studies.structures.samples import AXES
-from studies.structures.shapes import answers, pushed_walls
+from studies.structures.other_methods import pyramid_tilt, relaxed_tilt
+from studies.structures.shapes import AXES, answers, pushed_walls
 
 Y = Tilt((0.0, 1.0, 0.0))
 

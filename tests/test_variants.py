@@ -16,7 +16,6 @@ from analysis.figures.style import FigureData
 from analysis.tables.collect import weight_sums, weights_table
 from analysis.tables.comparisons import variants_table
 from sidmacib.mechanics.assembly import Failure
-from sidmacib.models import detailed
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
@@ -97,6 +96,5 @@ def test_figures_show_every_sample(study: Study, draw: Callable[..., Any], panel
     capacity, table = tables_of(study, lambda case: 200.0)
     empty = pd.DataFrame()
     spec = FigureSpec("made_up", "made_up")
-    models = detailed(study.model_names)
-    figure = draw(FigureData(spec, study, models, None, capacity, empty, empty, empty, table))
+    figure = draw(FigureData(spec, study, None, capacity, empty, empty, empty, table))
     assert len([axes for axes in figure.axes if axes.lines]) == panels

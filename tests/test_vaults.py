@@ -20,7 +20,7 @@ from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import free_weight
 from studies.designed_vault.all_layouts import GAP, compared
-from studies.designed_vault.geometry import FILE, Barrel, barrel, content, text
+from studies.designed_vault.vault import FILE, Barrel, barrel, content, text
 from studies.flat_vault.geometry import FILES, LEAN, SIDE, THICKNESS, description
 from studies.flat_vault.geometry import text as flat_text
 

@@ -17,8 +17,7 @@ from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE, structure_case_name
 from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases
-from workflow.schema.sections import AssemblySection, NumericsSection, PartSection, Pieces, changed
-from workflow.schema.values import NAME_LENGTH
+from workflow.schema.sections import NAME_LENGTH, AssemblySection, NumericsSection, Pieces, changed
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
@@ -52,7 +51,7 @@ def inconsistencies(study: Study) -> Iterator[str]:
     yield from _models(study)
     for name, sample in study.samples.items():
         yield from _models_of_sample(study, name, sample.models)
-        yield from _parts(study, name, sample.only)
+        yield from _parts(study, name)
     yield from _calibration(study)
     if study.figures.mesh is not None:
         yield from _among("figures.mesh", (study.figures.mesh,), "meshes", study.meshes)
@@ -269,11 +268,11 @@ def _models_of_sample(study: Study, sample: str, models: tuple[str, ...] | None)
         yield f"{key}: {_some(models)} is not enough; it must have {' or '.join(can)}"
 
 
-def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterator[str]:
+def _parts(study: Study, sample: str) -> Iterator[str]:
     """Each part of a sample must be in the study, and one model must run the whole sample."""
     solved = (name for name in study.models if name in SOLVED)
     known = (*ENGINES, *solved)
-    for name, part in only.items():
+    for name, part in study.samples[sample].only.items():
         key = f"samples.{sample}.only"
         if name not in known:
             yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(known)}"
@@ -284,11 +283,10 @@ def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterat
         ):
             yield from _among(f"{key}.{name}.{what}", chosen or (), what, allowed)
     names = detailed(name for name in study.models_of(sample) if name in MODELS)
-    if names and not any(study.whole_curve(sample, name) for name in names):
+    if names and not {*names} & {*study.models_of_whole(sample)}:
         yield (
             f"samples.{sample}.only: {_some(names)} run only parts of the study; one of them "
-            "must run at all "
-            "meshes and eccentricities"
+            "must run at all meshes and eccentricities"
         )
 
 

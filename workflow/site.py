@@ -29,8 +29,7 @@ from sidmacib.joint import Joint
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.validation import UNIONS, number_of
-from workflow.results.columns import TABLES, columns_of, meaning
-from workflow.results.tables import Table
+from workflow.results.tables import TABLES, Table, columns_of, meaning
 from workflow.schema import FILE, Study
 
 Schema = dict[str, Any]

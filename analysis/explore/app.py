@@ -16,7 +16,6 @@ from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
 from analysis.drawing import label_of
-from analysis.explore.comparison import Figures, compared
 from analysis.explore.examples import (
     EXAMPLES,
     STRUCTURE_MODELS,
@@ -25,7 +24,6 @@ from analysis.explore.examples import (
     checked_choice,
     defaults,
 )
-from analysis.explore.files import OPENED, OpenedFiles, SentFile
 from analysis.explore.pictures import (
     answers,
     covered,
@@ -40,6 +38,7 @@ from analysis.explore.requests import HEADERS, Desk, SupersededError, require_ow
 from analysis.explore.state import (
     SLIDERS,
     Checked,
+    Figures,
     Read,
     Settings,
     Slider,
@@ -48,10 +47,19 @@ from analysis.explore.state import (
     as_python,
     beside,
     checked,
+    compared,
     from_query,
     query_of,
 )
-from analysis.explore.structures import STAGES, answered, same, structure_answer
+from analysis.explore.structures import (
+    OPENED,
+    STAGES,
+    OpenedFiles,
+    SentFile,
+    answered,
+    same,
+    structure_answer,
+)
 from sidmacib.errors import CapacityError, ResultError
 from sidmacib.scene.page import HERE as SCENE
 from sidmacib.scene.page import rendered

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from analysis.drawing import boxes, label_of
-from analysis.explore.comparison import Figure
-from analysis.explore.state import SLIDERS, Settings
+from analysis.explore.state import SLIDERS, Figure, Settings
 from sidmacib.answers.joint import joint_answer, meshes, quick_path
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS
 from sidmacib.errors import CapacityError

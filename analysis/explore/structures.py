@@ -1,24 +1,42 @@
-"""The explorer's answer to a structure, an example or a file: what the command says and draws."""
+"""The explorer's answer to a structure, an example or a file: what the command says and draws.
 
+The answer to a file that is opened is the page that `multilock assembly --report` writes.
+"""
+
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+from urllib.parse import urlencode
 
-from analysis.explore.comparison import Figure
+from pydantic import Base64Bytes, BaseModel
+from werkzeug.exceptions import NotFound
+
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
+from analysis.explore.state import Figure, compared
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.command.answers import Row
-from sidmacib.command.assembly import demanded_rows
+from sidmacib.command.assembly import case_rows, demanded_rows
+from sidmacib.command.output import cell
 from sidmacib.command.structure_views import Views
 from sidmacib.command.structures import limit_of, static_of, structure_notes
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.scene.forces import arrows_of
-from sidmacib.structure.files.structure_file import Demand, demands_of
+from sidmacib.scene.page import page
+from sidmacib.structure.files.structure_file import Demand, demands_of, description_in
+from sidmacib.structure.loads import SupportMotion
+from sidmacib.yaml_text import read_yaml
 
-KEPT = 64  # structures that are not computed again
+KEPT = 64  # examples that are not computed again
+YAML = (".yaml", ".yml")
+OPENED = "/opened"
+MOST_FILES = 8  # that are remembered
+HERE = Path(__file__).parent
+TEMPLATE, SCRIPT = HERE / "opened.html.j2", HERE / "server.js"
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,3 +147,120 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
 def same(chosen: Chosen) -> Chosen:
     """The structure whatever is drawn of it: what results are kept by."""
     return replace(chosen, model=STRUCTURE_MODELS[0])
+
+
+class SentFile(BaseModel):
+    """A file as the page sends it."""
+
+    name: str
+    data: Base64Bytes
+
+
+class OpenedFiles:
+    """The structures that were sent last, by number."""
+
+    def __init__(self) -> None:
+        self._found: dict[int, OpenedFile] = {}
+        self._newest = 0
+
+    def opened(self, files: Sequence[SentFile], kept: int) -> str:
+        """The address of the page of ``files``, beside the one with the number ``kept``, if any.
+
+        Errors of the models; ValueError for files of something else.
+        """
+        numbers = []
+        for found in opened_files(files):
+            self._newest += 1
+            numbers.append(self._newest)
+            self._found[self._newest] = found
+        while len(self._found) > MOST_FILES:
+            self._found.pop(next(iter(self._found)))
+        *others, number = numbers
+        query = {"file": number, "kept": (*others, kept)[0]}
+        return f"{OPENED}?{urlencode({name: each for name, each in query.items() if each})}"
+
+    def page(self, query: Mapping[str, str]) -> str:
+        """The page of a file, beside one that is kept; `NotFound` if they are not remembered."""
+        number, kept = query.get("file", ""), query.get("kept", "")
+        files = {str(each): found for each, found in [*self._found.items()]}
+        if number not in files or (kept and kept not in files):
+            raise NotFound("This file is no longer in memory; open it again at /structures.")
+        words = {"number": number, "kept_number": kept, "server": SCRIPT.read_text()}
+        return files[number].page(files.get(kept), words)
+
+
+class OpenedFile(NamedTuple):
+    """A structure that was sent, by the ``name`` of its file."""
+
+    name: str
+    answer: StructureAnswer
+
+    def page(self, kept: "OpenedFile | None", words: Mapping[str, Any]) -> str:
+        """The command's page, beside the file that is ``kept``, if one is.
+
+        ``words``: those that the page has beyond the command's.
+        """
+        here = self.answer
+        data, own = here.views.content(here.rows, f"multilock assembly {self.name}")
+        shown: dict[str, Any] = {"kept": kept and kept.answer.views, "comparison": []}
+        if kept is not None:
+            there = kept.answer
+            data["structures"] += there.views.content(there.rows, "")[0]["structures"]
+            lines = compared((here.told, there.told), (here.carried, there.carried))
+            shown["comparison"] = [[cell(value) for value in line] for line in lines]
+        return page(data, {**own, **words, **shown}, TEMPLATE)
+
+
+def opened_files(files: Sequence[SentFile]) -> list[OpenedFile]:
+    """The structures in ``files``; one, or two to compare.
+
+    YAML files with blocks count, which may name the others; if there are none, files of blocks,
+    to which a YAML file of the same name says what they lack. Errors of the models; ValueError for
+    files of something else.
+    """
+    with TemporaryDirectory() as folder:
+        paths = [_written(each, Path(folder)) for each in files]
+        if not paths:
+            raise ValueError("no file was sent")
+        found = _with_blocks(paths)
+        if len(found) > 2:
+            names = ", ".join(path.name for path in found)
+            raise ValueError(f"at most two structures are compared, not {len(found)}: {names}")
+        return [_opened(path) for path in found]
+
+
+def _opened(path: Path) -> OpenedFile:
+    description = description_in(path)
+    demands = demands_of(description, path.parent)
+    demand, name, notes = demands[0], path.name, []
+    if not demand.raises:
+        raise ValueError("load: missing; none is for multilock assembly only")
+    if demand.case is not None:
+        rows, words, _ = case_rows(demands)
+        demand = demands[[row["governs"] for row in rows].index("yes")]
+        name, notes = f"{path.name} --case {shlex.quote(str(demand.case))}", [f"{words}."]
+    problem = demand.problem
+    if isinstance(problem.loads, SupportMotion):
+        raise ValueError("load.support: is for multilock assembly only; use another load here")
+    limit = limit_of(problem)
+    static = static_of(problem, limit)
+    answer = StructureAnswer.of(path, description, demand, limit, static, notes)
+    return OpenedFile(name, answer)
+
+
+def _written(file: SentFile, folder: Path) -> Path:
+    path = folder / Path(file.name).name
+    if path == folder or path.name.startswith("."):
+        raise ValueError(f"{file.name!r} is not allowed; it must be the name of a file")
+    path.write_bytes(file.data)
+    return path
+
+
+def _with_blocks(paths: Sequence[Path]) -> list[Path]:
+    """The files that have the blocks."""
+    lists = [path for path in paths if path.suffix.lower() in YAML]
+    with_blocks = [
+        path for path in lists if isinstance(given := read_yaml(path), dict) and "blocks" in given
+    ]
+    others = [path for path in paths if path not in lists]
+    return with_blocks or others or lists[:1]

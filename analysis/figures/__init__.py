@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from sidmacib.models import detailed
 from workflow.case import REFERENCE, JointCase
 from workflow.cases import cases_of
 from workflow.schema import Study
@@ -37,16 +38,11 @@ def drawn_files(names: Iterable[str]) -> list[str]:
     return [f"figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
 
 
-def figures_of(
-    study: Study, detailed: tuple[str, ...], cases: Iterable[JointCase] | None = None
-) -> dict[str, FigureSpec]:
-    """All figures of ``study`` by name.
-
-    ``detailed``: its detailed models, the first leading; ``cases``: its cases, if known already.
-    """
+def figures_of(study: Study, cases: Iterable[JointCase] | None = None) -> dict[str, FigureSpec]:
+    """All figures of ``study`` by name; ``cases``: its cases, if known already."""
     if cases is None:
         cases = cases_of(study).values()
-    return {spec.name: spec for spec in _figures(study, detailed, list(cases))}
+    return {spec.name: spec for spec in _figures(study, list(cases))}
 
 
 def shown_samples(study: Study) -> tuple[str, ...]:
@@ -54,21 +50,18 @@ def shown_samples(study: Study) -> tuple[str, ...]:
     return tuple(study.samples)[:MOST_SAMPLES]
 
 
-def followed_models(study: Study, detailed: tuple[str, ...], sample: str) -> list[str]:
-    """The ``detailed`` models that run on the whole of a sample, the leading one first."""
-    here = study.models_of(sample)
-    return [model for model in detailed if model in here and study.whole_curve(sample, model)]
+def followed_models(study: Study, sample: str) -> tuple[str, ...]:
+    """The detailed models that run the whole of a sample, the leading one first."""
+    return detailed(study.models_of_whole(sample))
 
 
-def _figures(
-    study: Study, detailed: tuple[str, ...], cases: list[JointCase]
-) -> Iterator[FigureSpec]:
+def _figures(study: Study, cases: list[JointCase]) -> Iterator[FigureSpec]:
     for sample in shown_samples(study):
         yield FigureSpec(f"joint-{sample}", "joint", sample)
         interlocking = sample in study.interlocking
         if interlocking:
             yield FigureSpec(f"options-{sample}", "options", sample)
-        followed = followed_models(study, detailed, sample)
+        followed = followed_models(study, sample)
         own_engines = [model for model in study.dem.engines if model in study.models_of(sample)]
         for model in dict.fromkeys((*followed[:1], *own_engines)):
             chosen = _stress_cases(cases, study, model, sample)

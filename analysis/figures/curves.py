@@ -73,7 +73,7 @@ def meshes(material: FigureData) -> Figure:
         axis.remove()
     for axis, sample in zip(places, samples, strict=False):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
-            for model in followed_models(material.study, material.detailed, sample):
+            for model in followed_models(material.study, sample):
                 model_curve(axis, material, model, sample, mesh, color=colour)
         published_point(axis, material, sample)
         measured_points(axis, material, sample)

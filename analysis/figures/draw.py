@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 from analysis.figures import curves, figures_of, joint, models, style
 from analysis.figures.style import FigureData, Stresses
-from sidmacib.models import detailed
 from workflow.case import JointCase
 from workflow.results import BATCH_NODES, read_records
 from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
@@ -52,13 +51,12 @@ def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     ``inputs``: the tables, and by a figure's name the records of the case whose stresses it shows.
     """
     study = Study.model_validate_json(arguments["study"])
-    detailed_models = detailed(study.model_names)
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
-    for name, spec in figures_of(study, detailed_models).items():
+    for name, spec in figures_of(study).items():
         stresses = None
         if spec.case is not None and name in inputs:
             stresses = stresses_of(spec.case, inputs[name])
-        figure = DRAWN_BY[spec.kind](FigureData(spec, study, detailed_models, stresses, **tables))
+        figure = DRAWN_BY[spec.kind](FigureData(spec, study, stresses, **tables))
         style.save(figure, [path for path in outputs["figures"] if path.stem == name])
 
 

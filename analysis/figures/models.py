@@ -12,11 +12,11 @@ from analysis.drawing import label_of
 from analysis.figures import shown_samples, style
 from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.style import FigureData
-from analysis.static_path import behind, path_again
+from analysis.paths import behind, path_again
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.joint import UpperBody
-from sidmacib.models import LAWS, REFERENCE_MODEL
+from sidmacib.models import LAWS, REFERENCE_MODEL, detailed
 from workflow.case import REFERENCE
 from workflow.cases import cases_of
 from workflow.schema import Study
@@ -172,13 +172,14 @@ def variant_rows(
     The model is the first detailed one that has any of the ``varied`` rows; of none, no rows.
     """
     table, study = material.variants, material.study
+    models = detailed(study.model_names)
     rows = table[
         np.isclose(table["mesh_m"], min(study.meshes))
         & table["sample"].isin(shown_samples(study))
         & table["upper_body"].isin(BODIES)
     ]
     able = set(rows["model"][varied(rows)])
-    return rows[rows["model"] == next((m for m in material.detailed if m in able), None)]
+    return rows[rows["model"] == next((model for model in models if model in able), None)]
 
 
 def stiffness(material: FigureData) -> Figure:

@@ -1,6 +1,5 @@
 """The data that figures are drawn from, the look that they share, and how they are saved."""
 
-import os
 import re
 import textwrap
 from dataclasses import dataclass
@@ -15,7 +14,8 @@ from analysis.drawing import SERIES, label_of
 from analysis.figures import IN_THE_PAPER, FigureSpec, followed_models
 from analysis.published import read_published
 from analysis.tables import study_points
-from sidmacib.models import MODELS, SOLVED
+from sidmacib.drawing import write_figure
+from sidmacib.models import MODELS, SOLVED, detailed
 from workflow.case import REFERENCE, JointCase
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
@@ -77,15 +77,10 @@ def caption(figure: Figure, text: str, height: float = 0.2) -> None:
 
 
 def save(figure: Figure, paths: list[Path]) -> None:
-    """Write the figure to each of ``paths``, always with the same bytes."""
-    os.environ["SOURCE_DATE_EPOCH"] = "0"
+    """Write the figure to each of ``paths``, as high as its caption is long."""
     for path in paths:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(
-            path,
-            metadata={"Software": None} if path.suffix == ".png" else None,
-            bbox_inches="tight",  # captions are as high as they are long
-        )
+        write_figure(figure, path, bbox_inches="tight")
 
 
 @dataclass(frozen=True)
@@ -99,14 +94,10 @@ class Stresses:
 
 @dataclass(frozen=True)
 class FigureData:
-    """A figure's specification, the study, its tables, and the stresses that the figure shows.
-
-    ``detailed``: the models that SiDMACIB is compared with, the leading one first.
-    """
+    """A figure's specification, the study, its tables, and the stresses that the figure shows."""
 
     spec: FigureSpec
     study: Study
-    detailed: tuple[str, ...]
     stresses: Stresses | None
     capacity: pd.DataFrame
     validation: pd.DataFrame
@@ -121,13 +112,13 @@ class FigureData:
         if self.spec.sample is not None:
             rows = rows[rows["sample"] == self.spec.sample]
         names = rows["model"].unique()
-        ordered = [m for m in (*self.detailed, *self.study.models) if m in names]
+        ordered = [m for m in (*detailed(self.study.model_names), *self.study.models) if m in names]
         return *dict.fromkeys(ordered), *(model for model in names if model not in ordered)
 
     @property
     def leading(self) -> str:
         """The model that SiDMACIB is shown against."""
-        return followed_models(self.study, self.detailed, self.sample)[0]
+        return followed_models(self.study, self.sample)[0]
 
     def in_order(self, table: pd.DataFrame, sample: str, mesh: float) -> pd.DataFrame:
         """Rows of ``table`` for a sample at a mesh (m), from pure shear to pure torsion."""

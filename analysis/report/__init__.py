@@ -9,7 +9,7 @@ import pandas as pd
 
 from analysis.drawing import label_of, option_name, rule_name
 from analysis.published import quantity_label
-from workflow.results.columns import TABLES, meaning
+from workflow.results.tables import TABLES, meaning
 
 UNITS = {
     **{"J_m2": "J/m²", "N": "N", "Nm": "N m", "m": "m", "m2": "m²", "m3": "m³", "Pa": "Pa"},

@@ -12,9 +12,9 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing import label_of, option_colour, option_name, rule_name, sketch
+from analysis.paths import paths_of, pieces_of, shown_cases
 from analysis.published import read_published
 from analysis.report import failed_cases, finding, json_value
-from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.summary import (
     PEAK_ACCURACY,
     Question,

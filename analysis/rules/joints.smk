@@ -1,6 +1,5 @@
 # Joints: tables from the results of the cases, and figures.
 from analysis.figures import drawn_files, figures_of
-from sidmacib.models import detailed
 
 PUBLISHED = ("analysis/published.yaml",)
 
@@ -69,7 +68,7 @@ rule comparisons:
         "../tables/comparisons.py"
 
 
-FIGURES = figures_of(STUDY, detailed(STUDY.model_names), JOBS.joints.values())
+FIGURES = figures_of(STUDY, JOBS.joints.values())
 STRESSES = {  # by figure, the record of the case whose stresses it shows
     name: RECORDS[figure.case.folder] for name, figure in FIGURES.items() if figure.case is not None
 }

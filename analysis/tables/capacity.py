@@ -30,14 +30,13 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
 
     A reduction by weights has one set of rows for each model and mesh that gave the weights.
     """
-    detailed_models = detailed(study.model_names)
     for sample in study.interlocking:
-        joint = study.joint(sample)
+        joint, followed = study.joint(sample), detailed(study.models_of_whole(sample))
         directions = [Direction(e) for e in study.eccentricities]
         weights_by_source = {
             source: values
             for source, values in pure_shear_weights(study, weights, sample).items()
-            if source[0] in detailed_models and study.whole_curve(sample, source[0])
+            if source[0] in followed
         }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, values) in product(

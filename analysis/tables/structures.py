@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import pandas as pd
 
 from sidmacib.answers.structure import counting, without_other_meshes
-from sidmacib.answers.verdict import Verdict, governing, verdict
+from sidmacib.answers.verdict import KeptAnswer, Verdict, governing, verdict
 from sidmacib.engines.curve import yade_answer
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mesh_error import DIGITS
@@ -117,29 +117,18 @@ def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[
     }
 
 
-@dataclass(frozen=True)
-class _Answer:
-    """What decides of a record with a result, see `sidmacib.answers.verdict`."""
-
-    load: float
-    failures: Failures
-    counts: Counts
-    mesh_error: float | None
-    mode: str | None
-
-    @classmethod
-    def of(cls, record: StructureRecord | None, model: str) -> "_Answer | CapacityError":
-        """Or why there is no result."""
-        if record is None:
-            return CapacityError(f"{MODELS[model].label} is not in the study")
-        if record.load_N is None:
-            words = (record.error or record.refused or "").removeprefix(f"{record.model}: ")
-            return RAISED.get(record.raised or "", CapacityError)(words)
-        part, peak, first = record.part, record.peak_N, record.first_failure_load_N
-        peak = record.load_N if peak is None else peak
-        failures = Failures(peak if first is None else first, peak)
-        counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
-        return cls(record.load_N, failures, counts, part.mesh_error, record.mode)
+def _answer(record: StructureRecord | None, model: str) -> KeptAnswer | CapacityError:
+    """What decides of a ``record``, or why there is no result."""
+    if record is None:
+        return CapacityError(f"{MODELS[model].label} is not in the study")
+    if record.load_N is None:
+        words = (record.error or record.refused or "").removeprefix(f"{record.model}: ")
+        return RAISED.get(record.raised or "", CapacityError)(words)
+    part, peak, first = record.part, record.peak_N, record.first_failure_load_N
+    peak = record.load_N if peak is None else peak
+    failures = Failures(peak if first is None else first, peak)
+    counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
+    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, record.mode)
 
 
 def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
@@ -149,7 +138,7 @@ def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
     groups: dict[tuple[str, str], list[tuple[StructureRecord, Verdict]]] = {}
     for each in cases.values():
         static, limit = (
-            _Answer.of(known.get(CaseId(model, each.name)), model)
+            _answer(known.get(CaseId(model, each.name)), model)
             for model in (REFERENCE_MODEL, "limit")
         )
         found = verdict(each.part.required_N or 0.0, static, limit)

@@ -9,9 +9,9 @@ study.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
-from sidmacib.answers.structure import CRUSHING, bond_fails
+from sidmacib.answers.structure import CRUSHING, StaticAnswer, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.problem import Counts, Failures
 from sidmacib.quantities import four_digits
@@ -22,28 +22,19 @@ if TYPE_CHECKING:
 LOWER = 1e-3  # of a load: by less, the two models agree
 
 
-class Static(Protocol):
-    """What decides of a `sidmacib.answers.structure.StaticAnswer`."""
+@dataclass(frozen=True)
+class KeptAnswer:
+    """What decides of an answer that a study keeps; the same stands in a `StaticAnswer`.
 
-    @property
-    def load(self) -> float:
-        """The load that counts, N."""
+    ``load``: the one that counts, N; ``counts``: whether that is the peak, and why; ``mesh_error``:
+    of that load, over it; ``mode``: how it fails.
+    """
 
-    @property
-    def failures(self) -> Failures:
-        """First failure and peak, N."""
-
-    @property
-    def counts(self) -> Counts:
-        """Which of the two counts, and why."""
-
-    @property
-    def mesh_error(self) -> float | None:
-        """Of the load that counts, over it."""
-
-    @property
-    def mode(self) -> str | None:
-        """How it fails."""
+    load: float
+    failures: Failures
+    counts: Counts
+    mesh_error: float | None
+    mode: str | None
 
 
 @dataclass(frozen=True)
@@ -75,8 +66,8 @@ class Verdict:
 
 def verdict(
     newtons: float,
-    static: Static | CapacityError,
-    limit: "LimitState | Static | CapacityError",
+    static: StaticAnswer | KeptAnswer | CapacityError,
+    limit: "LimitState | KeptAnswer | CapacityError",
 ) -> Verdict:
     """The verdict on a load of ``newtons``, by the answers of both models."""
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
@@ -106,7 +97,7 @@ def _by_limit(newtons: float, most: float, note: str) -> Verdict:
     return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
 
 
-def _by_static(newtons: float, static: Static, most: float | None) -> Verdict:
+def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | None) -> Verdict:
     first, peak = static.failures.first / newtons, static.failures.peak / newtons
     factor, error = static.load / newtons, static.mesh_error or 0.0
     factors, notes = _factor(peak), []

@@ -5,8 +5,7 @@ from pathlib import Path
 
 from analysis.drawing import label_of
 from sidmacib.models import REFERENCE_MODEL
-from studies.locks.freedoms import FREEDOMS
-from studies.locks.tables import BONDS, INTERACTION, LAW, POINTS, RULE_ERRORS
+from studies.locks.tables import BONDS, FREEDOMS, INTERACTION, LAW, POINTS, RULE_ERRORS
 from studies.locks.variation import ASSUMED_SIZES, CHARACTERISTIC, SENSITIVITY
 from studies.markdown import body, markdown, markdown_of, percent, size, span, table_in
 from workflow.results.tables import CAPACITY

@@ -53,11 +53,11 @@ rule freedoms:
     group:
         "tables"
     params:
-        code=code("studies.locks.freedoms"),
+        code=code("studies.locks.tables"),
     message:
         "Fit contact points of SiDMACIB to the peaks"
     script:
-        "freedoms.py"
+        "tables.py"
 
 
 rule variation:

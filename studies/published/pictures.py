@@ -21,7 +21,7 @@ from matplotlib.patches import Polygon
 from PIL import Image, ImageSequence
 
 from analysis.drawing import MM
-from analysis.vtk import displacements
+from analysis.paths import displacements
 from sidmacib.build import Clearance, Solid, joint_blocks, solids
 from sidmacib.build.views import view
 from sidmacib.drawing import BLACK, BLUE, GREY, ORANGE, VERMILION

@@ -1,18 +1,21 @@
-"""The study's tables: their columns, with units in the names, their keys, and the checks on both.
+"""The study's tables: their columns, with units in the names and meanings, their keys and checks.
 
 Every table is written and read here, as CSV with Parquet beside it. Numbers have ten digits. An
 infinite eccentricity is pure torsion; a missing number is an empty cell. ``case`` is a case's
-identity apart from model and variant: tables are joined on it.
+identity apart from model and variant: tables are joined on it. Meanings are for readers, and stand
+in columns.yaml.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import yaml
 
 DIGITS = 10
 UNITS = ("_N", "_Nm", "_m", "_m2", "_Pa", "_degrees")
@@ -214,6 +217,29 @@ SUPPORTS = Table(
     ),
     ("structure", "load", "variant", "answer"),
 )
+TABLES = tuple(each for each in globals().values() if isinstance(each, Table))
+MORE: Mapping[str, Sequence[str]] = {  # columns of a table that may follow those it must have
+    MODELS.name: ("displacement_at_<share>_percent_m", "weight_lock<number>", "case"),
+}
+
+
+@cache
+def meanings() -> tuple[Mapping[str, str], Mapping[str, Mapping[str, str]]]:
+    """Meanings of columns by name, and by table those of columns that mean something else there."""
+    path = Path(__file__).with_name("columns.yaml")
+    read = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return read["meanings"], read["exceptions"]
+
+
+def meaning(table: Table, column: str) -> str:
+    """The meaning of a ``column`` of a table; KeyError if it has none."""
+    everywhere, exceptions = meanings()
+    return exceptions.get(table.name, {}).get(column) or everywhere[column]
+
+
+def columns_of(table: Table) -> tuple[str, ...]:
+    """All columns of a table, those that may follow as well."""
+    return *table.columns, *MORE.get(table.name, ())
 
 
 def write_table(table: Table, rows: pd.DataFrame, path: Path) -> None:

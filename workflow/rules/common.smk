@@ -4,7 +4,7 @@ import math
 import os
 import re
 
-from workflow.closure import code_digest
+from workflow.step import code_digest
 from workflow.command import lock
 
 CAPTIONS = {  # of files in the report of Snakemake, by suffix

@@ -1,4 +1,4 @@
-"""The keys of a study: units, ranges and defaults; here the whole, measured loads and structures.
+"""The keys of a study: units, ranges and defaults; here the whole, and all sections but of joints.
 
 It names no model; `workflow.consistency` checks the abilities of models.
 """
@@ -10,30 +10,32 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
-from sidmacib.quantities import FORMULA, Length, Number, one_of, shown
+from sidmacib.quantities import FORMULA, Friction, Length, Number, Part, Share, one_of, shown
 from sidmacib.reading import Section, Some, Text
 from workflow.case import REFERENCE
 from workflow.schema.sections import (
     AssemblySection,
-    CalibrationSection,
-    DemSection,
+    Eccentricities,
+    Eccentricity,
+    Folder,
     GeometrySection,
+    Lengths,
     MaterialsSection,
+    Name,
     NumericsChanges,
-    PartSection,
+    NumericsSection,
     Pieces,
+    Positive,
     ReliabilitySection,
     SampleSection,
     SamplingSection,
-    SidmacibSection,
     VariantSection,
 )
-from workflow.schema.values import Eccentricities, Eccentricity, Folder, Lengths, Name, Positive
 
 STUDIES = Path(__file__).parents[2] / "studies"
-
 
 Campaign = Annotated[str, one_of(sorted(path.parent.name for path in STUDIES.glob("*/rules.smk")))]
 LONGEST = 500  # letters of a source
@@ -72,6 +74,73 @@ Words = Annotated[str, BeforeValidator(words)]
 _Cell = Annotated[str, BeforeValidator(cell)]
 _Force = Annotated[float, Number(above=0, unit="N")]
 _Torque = Annotated[float, Number(above=0, unit="N m")]
+
+
+class DemSection(Section):
+    """Engines by name, the longest time for one case (s), and the engines' numerics."""
+
+    engines: tuple[str, ...]
+    time_limit: Annotated[float, Number(at_least=1, at_most=1e7, unit="s")] = 3600.0
+    numerics: NumericsSection = NumericsSection()
+
+
+class OptionSection(Section):
+    """Contact points of a lock: positions over a, and shares of its strength."""
+
+    positions: Annotated[tuple[Annotated[float, Number(at_least=-0.5, at_most=0.5)], ...], Some]
+    portions: Annotated[tuple[Part, ...], Some]
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self.contact_option()
+        return self
+
+    def contact_option(self) -> ContactOption:
+        """The section as the models take it; ValueError if positions and portions do not match."""
+        return ContactOption(self.positions, self.portions)
+
+
+_READY = {
+    name: OptionSection(positions=option.positions, portions=option.portions)
+    for name, option in READY_OPTIONS.items()
+}
+
+
+def _with_ready(value: Any) -> Any:
+    """Options with those given only by name replaced by their definitions."""
+    if isinstance(value, list | tuple):
+        if twice := [name for number, name in enumerate(value) if name in value[:number]]:
+            raise ValueError(f"{shown(twice[0])} appears twice; each name must appear only once")
+        value = dict.fromkeys(map(_ready_name, value))
+    if not isinstance(value, Mapping):
+        return value
+    return {
+        name: _READY[_ready_name(name)] if option is None else option
+        for name, option in value.items()
+    }
+
+
+def _ready_name(name: Any) -> str:
+    if not isinstance(name, str) or name not in _READY:
+        raise ValueError(
+            f"{shown(name)} needs positions and portions; without them it must be one of "
+            f"{', '.join(_READY)}"
+        )
+    return name
+
+
+class SidmacibSection(Section):
+    """The overload on the upper block (N), contact points, and rules for which locks count."""
+
+    overload: Annotated[float, Number(at_least=0, unit="N")] = 1000.0
+    options: Annotated[
+        dict[Name, OptionSection],
+        Some,
+        BeforeValidator(
+            _with_ready, json_schema_input_type=list[Name] | dict[Name, OptionSection | None]
+        ),
+    ] = Field(default={name: _READY[name] for name in OPTIONS})
+    reductions: Annotated[tuple[Annotated[str, one_of(REDUCTIONS)], ...], Some] = tuple(REDUCTIONS)
 
 
 class MeasuredLoad(Section):
@@ -178,6 +247,26 @@ def with_changes(description: Mapping[str, Any], changes: Mapping[str, Any]) -> 
     return found
 
 
+class CalibrationSection(Section):
+    """A grid of geometries and frictions, meshes (m), and how many of the best the engines run."""
+
+    a: Lengths = (0.03, 0.06, 0.1)
+    height_share: Annotated[tuple[Share, ...], Some] = (
+        *(0.2, 0.21, 0.22, 0.23),
+        *(0.24, 0.25, 0.26),
+    )  # h / (h + H)
+    height_over_b: Annotated[tuple[Positive, ...], Some] = (
+        *(0.3, 0.5, 0.7, 0.9, 1.0),
+        *(1.1, 1.2, 1.3, 1.4),
+    )  # (h + H) / b
+    friction: Annotated[tuple[Friction, ...], Some] = (
+        *(0.0, 0.005236, 0.01, 0.02, 0.03),
+        *(0.05, 0.1, 0.2, 0.3, 0.4),
+    )  # of dry faces
+    meshes: Lengths = (0.02, 0.005)
+    confirmed: Annotated[int, Number(at_least=1, at_most=20, whole=True)] = 3
+
+
 class FiguresSection(Section):
     """Mesh (m) of the stress maps, the finest if None, and their eccentricity over a."""
 
@@ -235,12 +324,18 @@ class Study(Section):
         names = self.samples[sample].models
         return tuple(name for name in self.model_names if names is None or name in names)
 
-    def whole_curve(self, sample: str, model: str) -> bool:
-        """Whether ``model`` runs ``sample`` at all meshes and eccentricities of the study."""
-        part = self.samples[sample].only.get(model, PartSection())
-        return {*self.meshes} <= {*(part.meshes or self.meshes)} and {*self.eccentricities} <= {
-            *(part.eccentricities or self.eccentricities)
-        }
+    def models_of_whole(self, sample: str) -> tuple[str, ...]:
+        """Those of `models_of` that run all of a sample: all meshes and eccentricities."""
+        parts = {name: self.samples[sample].only.get(name) for name in self.models_of(sample)}
+        return tuple(
+            name
+            for name, part in parts.items()
+            if part is None
+            or (
+                {*self.meshes} <= {*(part.meshes or self.meshes)}
+                and {*self.eccentricities} <= {*(part.eccentricities or self.eccentricities)}
+            )
+        )
 
     @property
     def base_joint(self) -> Joint:

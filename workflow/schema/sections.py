@@ -1,17 +1,19 @@
-"""Sections of a study: joints, variants of them, sets of many; SiDMACIB and the engines.
+"""Sections of a study that describe joints: samples, variants, sets of many; and their values.
 
 Keys, ranges, units and defaults are those of `sidmacib.Joint`; narrower only where a study
-requires it: joints have weight, inner faces have strength, and dry faces have none.
+requires it: joints have weight, inner faces have strength, and dry faces have none. A bad value
+raises a ValueError whose text follows the key's name: "-1 is not allowed; it must be ...".
 """
 
-from collections.abc import Mapping
+import math
+import os
+import re
 from dataclasses import replace
 from enum import StrEnum
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PlainSerializer
 
-from sidmacib.contact_points import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
 from sidmacib.engines import Numerics
 from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
@@ -20,20 +22,89 @@ from sidmacib.mechanics.assembly import SOFTENED, FaceMaterial, Failure, NodeLay
 from sidmacib.models import RESISTANCES
 from sidmacib.quantities import (
     FractureEnergy,
-    Friction,
     Length,
     Modulus,
     Number,
     Part,
     Poisson,
-    Share,
     Span,
-    one_of,
     shown,
 )
 from sidmacib.reading import Section, Some, changes_to, section_of
 from sidmacib.validation import kinds_of
-from workflow.schema.values import Eccentricities, Lengths, Name, Positive
+
+NAME_LENGTH = 64  # a folder's name, at most 255 letters, is made of two names and more
+PATH_LENGTH, PART_LENGTH = 1000, 200
+
+Positive = Annotated[float, Number(above=0)]
+NotNegative = Annotated[float, Number(at_least=0)]
+
+
+def eccentricity(value: Any) -> float:
+    """The ratio e / a as a number; "torsion" is infinity."""
+    if isinstance(value, str | float) and value in ("torsion", math.inf):
+        return math.inf
+    try:
+        return Number(at_least=0).read(value)
+    except ValueError:
+        raise ValueError(
+            f"{shown(value)} is not allowed; it must be a number of at least 0 (e / a), or torsion"
+        ) from None
+
+
+Eccentricity = Annotated[
+    float,
+    BeforeValidator(eccentricity, json_schema_input_type=Literal["torsion"] | NotNegative),
+    PlainSerializer(lambda value: "torsion" if math.isinf(value) else value, when_used="json"),
+]
+
+
+def name(value: Any) -> str:
+    """A name, which becomes part of the names of files and columns."""
+    if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.]*", value):
+        raise ValueError(
+            f"{shown(value)} is not allowed as a name; it must be made of letters, digits, _ and "
+            "., and begin with a letter or digit"
+        )
+    if len(value) > NAME_LENGTH:
+        raise ValueError(
+            f"{shown(value)} is too long; a name must have at most {NAME_LENGTH} letters"
+        )
+    return value
+
+
+Name = Annotated[
+    str,
+    BeforeValidator(name),
+    Field(description="letters, digits, _ and ., beginning with a letter or digit"),
+]
+
+
+def folder(value: Any) -> str:
+    """A folder's name in its shortest form; numbers are names too."""
+    text = str(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+    if not isinstance(text, str) or not text.strip():
+        raise ValueError(f"{shown(value)} is not allowed; it must be the name of a folder")
+    path = os.path.normpath(text)
+    if not re.fullmatch(r"[\w/. ,+=@%-]+", path) or path[0] in "- " or path[-1] == " ":
+        raise ValueError(
+            f"{shown(text)} is not allowed; a folder's name must be made of letters, digits, "
+            "spaces and _ . , + - = @ %, and not begin with - or a space or end with one"
+        )
+    parts = path.split("/")
+    if parts[-1] in ("", ".", ".."):
+        raise ValueError(f"{shown(text)} is not allowed; it must name a folder, not /, . or ..")
+    if max(len(p.encode()) for p in parts) > PART_LENGTH or len(path.encode()) > PATH_LENGTH:
+        raise ValueError(
+            f"{shown(text)} is too long; each part must have at most {PART_LENGTH} bytes, "
+            f"the whole at most {PATH_LENGTH}"
+        )
+    return path
+
+
+Folder = Annotated[str, BeforeValidator(folder), Field(description="the name of a folder")]
+Lengths = Annotated[tuple[Length, ...], Some]
+Eccentricities = Annotated[tuple[Eccentricity, ...], Some]
 
 _KEYS: Any = section_of(Numerics)
 
@@ -51,73 +122,6 @@ _CHANGES: Any = changes_to(NumericsSection)
 
 class NumericsChanges(_CHANGES):
     """Changes to the numerics; None means no change."""
-
-
-class DemSection(Section):
-    """Engines by name, the longest time for one case (s), and the engines' numerics."""
-
-    engines: tuple[str, ...]
-    time_limit: Annotated[float, Number(at_least=1, at_most=1e7, unit="s")] = 3600.0
-    numerics: NumericsSection = NumericsSection()
-
-
-class OptionSection(Section):
-    """Contact points of a lock: positions over a, and shares of its strength."""
-
-    positions: Annotated[tuple[Annotated[float, Number(at_least=-0.5, at_most=0.5)], ...], Some]
-    portions: Annotated[tuple[Part, ...], Some]
-
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        self.contact_option()
-        return self
-
-    def contact_option(self) -> ContactOption:
-        """The section as the models take it; ValueError if positions and portions do not match."""
-        return ContactOption(self.positions, self.portions)
-
-
-_READY = {
-    name: OptionSection(positions=option.positions, portions=option.portions)
-    for name, option in READY_OPTIONS.items()
-}
-
-
-def _with_ready(value: Any) -> Any:
-    """Options with those given only by name replaced by their definitions."""
-    if isinstance(value, list | tuple):
-        if twice := [name for number, name in enumerate(value) if name in value[:number]]:
-            raise ValueError(f"{shown(twice[0])} appears twice; each name must appear only once")
-        value = dict.fromkeys(map(_ready_name, value))
-    if not isinstance(value, Mapping):
-        return value
-    return {
-        name: _READY[_ready_name(name)] if option is None else option
-        for name, option in value.items()
-    }
-
-
-def _ready_name(name: Any) -> str:
-    if not isinstance(name, str) or name not in _READY:
-        raise ValueError(
-            f"{shown(name)} needs positions and portions; without them it must be one of "
-            f"{', '.join(_READY)}"
-        )
-    return name
-
-
-class SidmacibSection(Section):
-    """The overload on the upper block (N), contact points, and rules for which locks count."""
-
-    overload: Annotated[float, Number(at_least=0, unit="N")] = 1000.0
-    options: Annotated[
-        dict[Name, OptionSection],
-        Some,
-        BeforeValidator(
-            _with_ready, json_schema_input_type=list[Name] | dict[Name, OptionSection | None]
-        ),
-    ] = Field(default={name: _READY[name] for name in OPTIONS})
-    reductions: Annotated[tuple[Annotated[str, one_of(REDUCTIONS)], ...], Some] = tuple(REDUCTIONS)
 
 
 MOST_LOCKS = 101
@@ -346,23 +350,3 @@ class SamplingSection(Section):
     def parameters(self) -> str:
         """The joints, without what says how they are solved, as JSON."""
         return self.model_dump_json(exclude={"eccentricities", "cells", "limited"})
-
-
-class CalibrationSection(Section):
-    """A grid of geometries and frictions, meshes (m), and how many of the best the engines run."""
-
-    a: Lengths = (0.03, 0.06, 0.1)
-    height_share: Annotated[tuple[Share, ...], Some] = (
-        *(0.2, 0.21, 0.22, 0.23),
-        *(0.24, 0.25, 0.26),
-    )  # h / (h + H)
-    height_over_b: Annotated[tuple[Positive, ...], Some] = (
-        *(0.3, 0.5, 0.7, 0.9, 1.0),
-        *(1.1, 1.2, 1.3, 1.4),
-    )  # (h + H) / b
-    friction: Annotated[tuple[Friction, ...], Some] = (
-        *(0.0, 0.005236, 0.01, 0.02, 0.03),
-        *(0.05, 0.1, 0.2, 0.3, 0.4),
-    )  # of dry faces
-    meshes: Lengths = (0.02, 0.005)
-    confirmed: Annotated[int, Number(at_least=1, at_most=20, whole=True)] = 3

@@ -1,18 +1,28 @@
-"""A barrel vault in running bond, as a file of COMPAS: `python -m studies.designed_vault.geometry`.
+"""A barrel vault as a model of compas_dem: written as a file, and shown with its results.
 
-A semicircular barrel on two fixed springers. Courses run along y; in every second one the blocks
-are shifted by half a block, with half blocks at the ends. The file is a `BlockModel` as compas_dem
+A semicircular barrel on two fixed springers, in running bond. Courses run along y; in every second
+one the blocks are shifted by half a block, with half blocks at the ends.
+
+``python -m studies.designed_vault.vault write`` writes the file, a `BlockModel` as compas_dem
 writes it, in plain JSON: no COMPAS is needed to write or to read it.
+
+``python -m studies.designed_vault.vault show vault.json results.json`` opens a model and its
+results in COMPAS's viewer, or draws a picture of them. It needs compas_dem and compas_viewer
+(``requirements-peers.txt``). Without a screen: ``QT_QPA_PLATFORM=offscreen``.
 """
 
+import argparse
 import json
 import math
 import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from sidmacib.mechanics.assembly import Vector
 from sidmacib.structure.blocks import Block, prism
@@ -21,8 +31,12 @@ FILE = Path(__file__).parent / "vault.json"
 DENSITY = 2000.0  # kg/m3
 DIGITS = 6  # of coordinates in m
 SPRINGER = 0.5  # m, height of the springers
+DRAWN = 3000  # ms until the viewer has drawn everything
+FORCES = 3.0  # scale of the forces
+FROM = (-0.5, -1.1, 0.45)  # where the model is seen from, over its size
 
 
+# --- the file ------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class Barrel:
     """``courses`` over the semicircle, each ``blocks`` long; ``radius`` (m) of the middle.
@@ -135,5 +149,68 @@ def text(size: Barrel) -> str:
     return json.dumps(content(barrel(size)), separators=(",", ":")) + "\n"
 
 
+# --- the viewer ----------------------------------------------------------------------------------
+def viewer_of(model: Path, results: Path) -> Any:
+    """The viewer of compas_dem with the blocks, their mechanism and the forces between them."""
+    compas = import_module("compas")
+    _mend()
+    viewer = import_module("compas_dem.viewer").DEMViewer(compas.json_load(model))
+    viewer.setup()
+    viewer.groups["model"].show = False  # else the blocks hide how they move
+    viewer.add_solution(compas.json_load(results), scale=FORCES)
+    corners = [
+        block.modelgeometry.vertex_coordinates(vertex)
+        for block in viewer.model.elements()
+        for vertex in block.modelgeometry.vertices()
+    ]
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    camera, middle = viewer.renderer.camera, (low + high) / 2
+    camera.target.set(*middle.tolist())
+    camera.position.set(*(middle + np.linalg.norm(high - low) * np.array(FROM)).tolist())
+    return viewer
+
+
+def _mend() -> None:
+    """Repair compas_dem 0.6.0, which lacks attributes that its own viewer reads.
+
+    `Block.point` is a list where the viewer asks for a point, and polygons become shapes only with
+    compas_occ, which PyPI does not have.
+    """
+    geometry, meshes = import_module("compas.geometry"), import_module("compas.datastructures")
+    block = import_module("compas_dem.elements").Block
+    block.point = property(lambda self: geometry.Point(*self.modelgeometry.centroid()))
+    geometry.Polygon.to_brep = lambda self: meshes.Mesh.from_polygons([self])
+
+
+def shown(model: Path, results: Path, picture: Path | None) -> None:
+    """Open the viewer; with ``picture`` draw into that file and end."""
+    viewer = viewer_of(model, results)
+    if picture:
+        timer = import_module("PySide6.QtCore").QTimer
+
+        def draw() -> None:
+            viewer.renderer.grabFramebuffer().save(str(picture))
+            viewer.app.quit()
+
+        timer.singleShot(DRAWN, draw)
+    viewer.show()
+
+
+def main() -> None:
+    """Command line: write the vault, or show a model."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    commands = parser.add_subparsers(required=True, dest="command")
+    commands.add_parser("write", help=f"write {FILE.name}")
+    show = commands.add_parser("show", help="show a model and its results")
+    show.add_argument("model", type=Path)
+    show.add_argument("results", type=Path)
+    show.add_argument("--picture", type=Path, help="draw into this file and end")
+    arguments = parser.parse_args()
+    if arguments.command == "write":
+        FILE.write_text(text(Barrel()))
+    else:
+        shown(arguments.model, arguments.results, arguments.picture)
+
+
 if __name__ == "__main__":
-    FILE.write_text(text(Barrel()))
+    main()

@@ -1,24 +1,67 @@
-"""The static model's path from no load to the peak: for maps and a joint that moves."""
+"""The static model's path of a joint's case, from no load to the peak and behind it.
+
+Records keep its loads; it is solved again where its nodes and pieces are shown: in figures, in the
+report's maps, and as a joint that moves.
+"""
 
 from collections.abc import Iterable, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from analysis.static_path import behind, path_again
-from analysis.vtk import displacements
+from sidmacib.errors import CapacityError
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
-from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.solution import Equilibrium, StaticSolution
+from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import REFERENCE_MODEL
-from workflow.case import REFERENCE, JointCase
+from sidmacib.problem import Problem
+from workflow.case import REFERENCE, JointCase, JointSubject
 
+MOST_ELASTIC = 1_000  # nodes of elastic blocks: more take minutes
+MOST_BONDED = 1_050  # bonded nodes that are followed behind the peak, where they fail one by one
 STEPS = 24  # of a path, at most
 NODE_STATES = 4_000  # of a path: nodes times steps, at most
 MOST_NODE_STATES = 400_000  # of all paths: what the page has room for
 MOST_BEHIND = 60  # points behind a peak
 DIGITS, PLACES = 3, 5  # of what nodes carry, and of where they are
+
+
+def path_again(subject: JointSubject) -> tuple[Problem, StaticSolution] | None:
+    """The path to the lowest peak; None if there is none, or elastic blocks have too many nodes."""
+    try:
+        problem = subject.problem()
+        if problem.assembly.elastic and len(problem.assembly.nodes.area) > MOST_ELASTIC:
+            return None
+        return problem, lowest_peak(*problem)
+    except CapacityError:
+        return None
+
+
+def behind(
+    problem: Problem, peak: Equilibrium, eccentricity: float, most: int
+) -> list[Equilibrium] | None:
+    """At most so many points behind the ``peak``, see `after_peak`.
+
+    None if nodes would fail one by one and there are too many of them, or blocks are elastic. In
+    pure shear, where the ``eccentricity`` is 0, whole locks fail at once.
+    """
+    bonded = np.count_nonzero(ContactLaw.of(problem.assembly).cohesive)
+    if eccentricity != 0.0 and (problem.assembly.elastic or bonded > MOST_BONDED):
+        return None
+    return list(islice(after_peak(*problem, peak), most))
+
+
+def displacements(assembly: Assembly, point: Equilibrium) -> Floats:
+    """Displacement (m) and rotation of each piece, shape (P, 6); none of fixed or elastic ones."""
+    moved = np.zeros((len(assembly.pieces), 6))
+    if not assembly.elastic:
+        free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
+        moved[free] = point.unknowns.reshape(len(free), 6)
+    return moved
 
 
 def shown_cases(cases: Iterable[JointCase]) -> list[JointCase]:
