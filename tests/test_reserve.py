@@ -9,6 +9,7 @@ import pytest
 import yaml
 from command_runner import run
 from conftest import ROOT
+from described import study
 from structures import GROUND, dry, example
 
 from sidmacib.mechanics.limit import limit_load
@@ -89,6 +90,21 @@ def test_the_command_says_whether_a_structure_stands_and_with_what_reserve(tmp_p
     assert code == 1
     fallen = "No: the structure does not stand under its own weight and the other permanent loads"
     assert verdict == fallen
+
+
+def test_it_is_drawn_under_the_acceleration_that_fells_it_first(tmp_path: Path) -> None:
+    path, picture, note = (tmp_path / f"arch.{each}" for each in ("yaml", "svg", "html"))
+    written = ("--picture", str(picture), "--note", str(note))
+    _, _, rows = said(path, study("arch/arch"), "--reserve", *written)
+    least = next(row for row in rows if row["reserve"].startswith("least"))
+    assert least["reserve"].endswith("towards (0, 1)")
+    words = " ".join(note.read_text().split())
+    assert "along (0, 1, 0)" in words
+    assert f"{least['value']:.3g} of the weight" in words
+    assert "<svg" in picture.read_text()
+    falls = study("arch/arch", friction=0.1)
+    assert said(path, falls, "--reserve", *written)[0] == 1
+    assert "does not stand" in note.read_text()
 
 
 def test_a_load_in_the_file_may_be_left_out(tmp_path: Path) -> None:

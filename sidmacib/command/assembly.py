@@ -25,16 +25,17 @@ from sidmacib.command.structures import (
     write_curve,
 )
 from sidmacib.errors import CapacityError, InfeasibleError
-from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.assembly import Kind, Vector
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.reserve import Push, Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand, demands_of
-from sidmacib.structure.loads import SupportMotion
+from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
 from sidmacib.validation import refused
 
+ALONG_X: Vector = (1.0, 0.0, 0.0)
 Answered = tuple[Sequence[Row] | None, bool]
 
 
@@ -92,10 +93,9 @@ def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
     if wanted.case is not None:
         demands = (chosen_case(demands, wanted.case),)
     elif demands[0].case is not None or not demands[0].raises:
-        rows, passes = _of_several(demands, wanted)
-        if not passes and not demands[0].raises:
-            _note_turned(description, file.parent)
-        return rows, passes
+        if demands[0].raises:
+            return _of_cases(demands, wanted)
+        return _of_reserve(file, description, demands[0], notes, wanted)
     if isinstance(demands[0].problem.loads, SupportMotion):
         return _of_support(file, demands[0], wanted)
     return _of_load(file, description, demands[0], notes, wanted)
@@ -107,14 +107,32 @@ def _note_turned(description: Any, folder: Path) -> None:
         click.echo(f"Note: it stands with {key}", err=True)
 
 
-def _of_several(demands: Sequence[Demand], wanted: Wanted) -> Answered:
-    """The verdict on load cases, or what there is in reserve without a load."""
-    needs = "--case, as the file has load_cases" if demands[0].raises else "a load"
+def _of_cases(demands: Sequence[Demand], wanted: Wanted) -> Answered:
     others = "interfaces", "compas", "capacity_curve", "picture", "report", "note"
-    wanted.refuse(f"needs {needs}", *others)
-    rows, words, passes = case_rows(demands) if demands[0].raises else reserve_rows(demands)
+    wanted.refuse("needs --case, as the file has load_cases", *others)
+    rows, words, passes = case_rows(demands)
     say(words, wanted.form)
     click.echo(text_of(rows, wanted.form))
+    return None, passes
+
+
+def _of_reserve(
+    file: Path, description: Any, demand: Demand, notes: Sequence[str], wanted: Wanted
+) -> Answered:
+    """What there is in reserve without a load; drawn under the acceleration that fells it first."""
+    wanted.refuse("needs a load", "interfaces", "compas", "capacity_curve")
+    rows, words, passes, weakest = reserve_rows(demand.problem)
+    say(words, wanted.form)
+    click.echo(text_of(rows, wanted.form))
+    if wanted.draws:
+        assembly, loads = demand.problem
+        assert isinstance(loads, StructureLoads), "loads of a structure"
+        problem = Problem(assembly, pushed(assembly, loads, weakest))
+        limit = limit_of(problem)
+        static = static_of(problem, limit)
+        _draw(wanted, rows, file, description, problem, limit, static, notes, words)
+    if not passes:
+        _note_turned(description, file.parent)
     return None, passes
 
 
@@ -154,15 +172,19 @@ def _of_load(
 
         write_compas_results(problem, file, wanted.compas, limit)
     if wanted.draws:
-        from sidmacib.command.structure_views import Views
-
-        views = Views.of(file, description, problem, limit, static, notes, words)
-        views.write(rows, wanted.report, wanted.still, wanted.note)
+        _draw(wanted, rows, file, description, problem, limit, static, notes, words)
     if wanted.capacity_curve is not None:
         moves, end = curve_rows(problem)
         click.echo(f"Capacity curve: {end}.", err=True)
         write_curve(moves, file.stem, wanted.capacity_curve, wanted.picture)
     return None if words else shown, passes  # the verdict is an answer, also without a number
+
+
+def _draw(wanted: Wanted, rows: Sequence[Row], *of: Any) -> None:
+    """Write the page, the picture and the note that are ``wanted``; ``of``: see `Views.of`."""
+    from sidmacib.command.structure_views import Views
+
+    Views.of(*of).write(rows, wanted.report, wanted.still, wanted.note)
 
 
 def demanded_rows(
@@ -205,15 +227,17 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
     return rows, words, all(each.passes for each in found)
 
 
-def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
-    """What a structure has in reserve without a load, the verdict, and whether it stands."""
-    (problem,) = (demand.problem for demand in demands)
+def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
+    """What a structure has in reserve without a load, the verdict, and whether it stands.
+
+    And the direction of the acceleration that fells it first, or x.
+    """
     try:
         found = reserve(problem, telling(problem))
     except CapacityError as error:
         words, falls = str(error), isinstance(error, InfeasibleError)
         said = f"{'No' if falls else 'No answer'}: {lower_first(words)}"
-        return [_reserve_row("limit", "stands", None, words)], said, False
+        return [_reserve_row("limit", "stands", None, words)], said, False, ALONG_X
     rows = [
         _reserve_row(
             "limit", "geometrical safety factor", found.factor, _factor_note(problem, found.factor)
@@ -231,9 +255,10 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         what = f"{name} horizontal acceleration (g), towards {_way(push)}".lstrip()
         rows.append(_reserve_row("limit", what, push.acceleration, note))
     rows.append(_reserve_row("static", "stands", None, found.static or "in equilibrium"))
+    weakest = ALONG_X if found.least is None else found.least.direction
     if found.falls:
-        return rows, f"No: {lower_first(found.static)} in the static model", False
-    return rows, f"Yes: {_stands(found)}", True
+        return rows, f"No: {lower_first(found.static)} in the static model", False, weakest
+    return rows, f"Yes: {_stands(found)}", True, weakest
 
 
 def _reserve_row(model: str, what: str, value: float | None, note: str) -> Row:

@@ -294,7 +294,7 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
         yield "Reactions balance the loads", f"{left / size:.1e} of the loads is left", kept
     what = "load" if views.problem.loads.axis is None else "tilt"
     for row in rows:
-        error = row[f"mesh error / {what}"]
+        error = row.get(f"mesh error / {what}")
         if error is not None:
             told = f"{100.0 * error:.2g} % of the {what}"
             yield f"Mesh error, {row['model']}", told, "small" if error <= FLEXIBLE else "LARGE"
