@@ -262,6 +262,7 @@ def test_numbers_of_dimensions_are_short() -> None:
 def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:
     found = run("build", "-n", "3", "-a", "80mm", "--clearance", "0.5mm", "-o", str(tmp_path))
     assert found.exit_code == 0, found.output
+    assert "Note: the clearance takes 1 % of the width of the narrowest lock" in found.stderr
     files = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.*")}
     assert files == {
         *("blocks.3mf", "blocks.obj", "blocks.csv", "stl/1-lower.stl", "stl/2-upper.stl"),

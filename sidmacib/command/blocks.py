@@ -256,7 +256,7 @@ def build(
     """
     with refused_in_one_line(), status_line() as progress:
         from sidmacib.build import Clearance, blocks_of_file, joint_blocks, kinds, solids
-        from sidmacib.command.build import table, write_all, write_step
+        from sidmacib.command.build import clearance_note, table, write_all, write_step
 
         given = [name for name, value in flags.items() if value is not None]
         found = None if source is None else blocks_of_file(source)
@@ -270,6 +270,8 @@ def build(
         gaps = Clearance(clearance, head_clearance)
         blocks, rows, near = found
         made = solids(blocks, rows, gaps, near)
+        if note := clearance_note(rows.values(), clearance):
+            click.echo(f"Note: {note}", err=True)
         of = kinds(made)
         write_all(made, of, rows, gaps, output, unit, drawings, progress)
         if step:

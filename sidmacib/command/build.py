@@ -1,6 +1,7 @@
 """Solids of a joint or a structure, written into a folder: files, table and drawings."""
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -14,6 +15,7 @@ from sidmacib.command.output import text_of, writing
 from sidmacib.structure.locks import Row as LockRow
 from sidmacib.structure.structure import Pair
 
+TOLD = 0.01  # of a lock's width: a clearance that is not told takes less
 SHEETS = 40  # kinds that are drawn: of a heap of stones each is one
 
 
@@ -34,6 +36,18 @@ def table(made: Sequence[Solid], of: Sequence[Kind], unit: str) -> list[Row]:
             }
         )
     return rows
+
+
+def clearance_note(rows: Iterable[LockRow], sides: float) -> str:
+    """What a clearance at the ``sides`` (m) of locks takes of them, or nothing."""
+    widths = [float(np.diff(row.edges).min()) for row in rows if row.locks.count > 1]
+    share = sides / min(widths, default=math.inf)
+    if share < TOLD:
+        return ""
+    return (
+        f"the clearance takes {100.0 * share:.2g} % of the width of the narrowest lock; "
+        "analyses have none: reduce cohesion and tensile strength in them by as much"
+    )
 
 
 def write_all(
