@@ -33,7 +33,7 @@ const COLUMNS = [
   ["tilt (°)", (row) => row.tilt_degrees], ["governed by", (row) => row.counts], ["peak (N)", (row) => row.peak_N], ["peak (°)", (row) => row.peak_tilt_degrees],
   ["difference to static (%)", (row) => percent(row.difference_to_static)], ["mesh error (%)", (row) => percent(row.mesh_error)],
   ["failure mode", (row) => row.mode], ["first bond failure", (row) => row.first_interface], ["at", (row) => (row.first_interface === null ? null : firstFailure(row))],
-  ["reason", (row) => row.because], ["highest utilisation", (row) => row.most_used_interface], ["not supported", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
+  ["reason", (row) => row.because], ["highest utilisation", (row) => row.most_used_interface], ["no answer", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
 ];
 
 function tellModels() {

@@ -75,7 +75,7 @@ def _line(row: Mapping[str, Any]) -> str:
         refused = pd.notna(row["refused"])
         why = row["refused"] if refused else row["error"]
         return f"  {row['model']:10}{'-':>14}{'-':>13}{'-':>11}  " + (
-            f"not supported: {why}" if refused else f"no result: {why}"
+            f"no answer: {why}" if refused else f"no result: {why}"
         )
     value, share = row["load_N"], f"{row['load_over_weight']:.4f}"
     if tilts:
