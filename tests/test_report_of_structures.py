@@ -85,7 +85,7 @@ def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:
     tilt = table.set_index(["case", "model"]).loc[("stack-load", "static"), "tilt_degrees"]
     assert found["stack"] == f"load: tilt {tilt:.4g}° (static model, mesh error 1 %)."
     assert found["keyed"].endswith("(limit analysis, mesh error 0 %).")
-    assert found["Not supported"].startswith("1 of 8 cases")
+    assert found["No answer"].startswith("1 of 8 cases")
     first = {"counts": "first failure", "load_N": 1600.0, "load_over_weight": 0.05}
     bonded = table[table["first_interface"].notna()].assign(mesh_error=0.002, **first)
     unsettled = {each["title"]: each["text"] for each in structures_verdict(bonded)}["trilith"]
@@ -207,7 +207,7 @@ def test_models_stand_side_by_side_and_a_refusal_is_shown(opened: Opened) -> Non
     cells = page.locator("#structure-models tbody tr").first.locator("td").all_text_contents()
     assert cells[:3] == ["static model", "7848", "0.25"]
     choose(opened, name="keyed", model="static")
-    assert "Not supported by the static model: base-block has condensed locks" in str(
+    assert "No answer of the static model: base-block has condensed locks" in str(
         page.text_content("#structure-order")
     )
     assert page.is_disabled("#structure-play")

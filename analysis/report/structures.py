@@ -161,7 +161,7 @@ def _without(table: pd.DataFrame) -> Iterator[dict[str, str]]:
     yield from failed_cases(table, "Structures without a result", " cases")
     if refused := int(table["refused"].notna().sum()):
         text = f"{refused} of {len(table)} cases (reasons next to the 3D view)."
-        yield finding("Not supported", text)
+        yield finding("No answer", text)
 
 
 def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:

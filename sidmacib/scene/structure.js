@@ -294,7 +294,7 @@ const firstFailure = (row) => (row.first_failure_tilt_degrees === null ? `${shor
 const reasonOf = (row, column) => (row[column] === null ? null : row[column].replace(`${row.model}: `, ""));
 
 function orderOf({ row, interfaces }) {
-  if (row.refused !== null) return `Not supported by the ${labelOf(row.model).name}: ${reasonOf(row, "refused")}.`;
+  if (row.refused !== null) return `No answer of the ${labelOf(row.model).name}: ${reasonOf(row, "refused")}.`;
   if (row.error !== null) return `No result from the ${labelOf(row.model).name}: ${reasonOf(row, "error")}.`;
   const all = [...(interfaces || [])].map(([, own]) => own);
   const bonded = all.filter((own) => own.cohesion_Pa > 0 || own.tensile_strength_Pa > 0);
