@@ -15,6 +15,7 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.forces import interface_forces
+from sidmacib.structure.files.sections import ShapeSection
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from workflow.schema import with_changes
@@ -243,10 +244,6 @@ def test_a_fault_is_reported_in_one_line_with_its_key(
     [
         ({"interfaces": {"friction": 30.0}}, "friction: 30 is very large; is it an angle in degr"),
         ({"blocks": {"block": {"density": 2.4}}}, "block: density: 2.4 kg/m3 is very small"),
-        (
-            {"blocks": {"block": {"high": [720.0, 1.0, 1.0]}}},
-            "block: diagonal: 720.001 m is very large; is it in m?",
-        ),
     ],
 )
 def test_numbers_that_look_like_another_unit_are_noted(
@@ -254,6 +251,17 @@ def test_numbers_that_look_like_another_unit_are_noted(
 ) -> None:
     path.write_text(yaml.safe_dump(with_changes(ON_GROUND, changes)))
     assert note in run("assembly", str(path)).stderr
+
+
+def test_blocks_in_millimetres_say_so(path: Path) -> None:
+    mm = [240.0, 115.0, 71.0]
+    path.write_text(yaml.safe_dump(with_changes(ON_GROUND, {"blocks": {"block": {"high": mm}}})))
+    ended = run("assembly", str(path))
+    words = "blocks.block: it would be 275.4 m across; say unit: mm, or m, cm, in, ft"
+    assert (ended.exit_code, ended.output) == (2, f"Error: {words}\n")
+    told = {"high": [240, "11.5cm", "71"], "unit": "mm"}
+    (block,) = ShapeSection.model_validate({"low": [0, 0, 0], **told}).blocks("block", path)
+    assert block.volume == pytest.approx(0.24 * 0.115 * 0.071)
 
 
 def test_a_material_for_a_pair_with_locks_is_refused() -> None:

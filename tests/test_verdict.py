@@ -131,9 +131,10 @@ def test_numbers_of_loads_that_look_wrong_are_noted(path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "note"),
     [
-        ((), "Note: assumed: friction 0.7, density 2000 kg/m3\n"),
-        (("--friction", "0.5"), "Note: assumed: density 2000 kg/m3\n"),
-        (("--friction", "0.5", "--density", "2200"), ""),
+        ((), "Note: assumed: friction 0.7, density 2000 kg/m3, unit m\n"),
+        (("--friction", "0.5"), "Note: assumed: density 2000 kg/m3, unit m\n"),
+        (("--friction", "0.5", "--density", "2200"), "Note: assumed: unit m\n"),
+        (("--friction", "0.5", "--density", "2200", "--unit", "m"), ""),
     ],
 )
 def test_what_is_assumed_of_a_mesh_is_said(options: tuple[str, ...], note: str) -> None:

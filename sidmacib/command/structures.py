@@ -65,8 +65,7 @@ def structure_notes(problem: Problem, description: Any) -> list[str]:
     notes = structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
     notes += load_warnings(problem.assembly, given.pushed)
     if given.assumed:
-        values = ", ".join(f"{key} {value:g}" for key, value in given.assumed.items())
-        notes.append(f"assumed: {values}{' kg/m3' if 'density' in given.assumed else ''}")
+        notes.append(f"assumed: {', '.join(' '.join(each) for each in given.assumed.items())}")
     laws = (given.interfaces, *given.special)
     if given.locks and any(law.compressive_strength is not None for law in laws):
         notes.append("compressive_strength: does not limit interfaces with locks")

@@ -187,6 +187,18 @@ def _held(value: Any) -> Any:
     return value
 
 
+def metres(unit: Unit) -> float:
+    """M per ``unit``."""
+    return MEASURED_IN["m"].units[unit]
+
+
+def require_likely(size: float, what: str) -> None:
+    """ValueError for ``what`` if its ``size`` (m) is so large that metres are hardly meant."""
+    if size > BLOCK.likely[1]:
+        others = ", ".join(each for each in get_args(Unit) if each != "mm")
+        raise ValueError(f"{what} would be {size:.4g} m across; say unit: mm, or {others}")
+
+
 class FileSection(Keys):
     """Blocks from OBJ, PLY, STL or OFF files, from Rhino's 3dm, or from the JSON of COMPAS."""
 
@@ -215,7 +227,7 @@ class FileSection(Keys):
     @property
     def length(self) -> float | None:
         """M per unit of the file, if it is given."""
-        return self.scale if self.unit is None else MEASURED_IN["m"].units[self.unit]
+        return self.scale if self.unit is None else metres(self.unit)
 
     def blocks(self, name: str, folder: Path) -> list[Block]:
         """The blocks, whose names begin with ``name``; ValueError."""
@@ -231,7 +243,8 @@ class FileSection(Keys):
             ]
             if several or not self.file.endswith(".json"):  # of COMPAS nodes are fixed
                 found = self._fixed(name, found)
-            self._require_unit(found)
+            if self.length is None and not self.file.endswith(".3dm"):
+                require_likely(mean_size(found), f"file: {self.file}: its blocks")
             if (height := self.fixed_below) is None:
                 return found
             return [replace(b, fixed=b.fixed or b.places[:, 2].min() < height) for b in found]
@@ -276,12 +289,3 @@ class FileSection(Keys):
         else:
             held = chosen(self.fixed, names, "true, false, or a list of")
         return [replace(b, fixed=own in held) for b, own in zip(blocks, names, strict=True)]
-
-    def _require_unit(self, blocks: list[Block]) -> None:
-        """ValueError if blocks are so large that metres are hardly meant."""
-        size = mean_size(blocks)
-        if self.length is None and not self.file.endswith(".3dm") and size > BLOCK.likely[1]:
-            raise ValueError(
-                f"file: {self.file}: its blocks would be {size:.4g} m across; say unit: mm, or "
-                f"{', '.join(each for each in get_args(Unit) if each != 'mm')}"
-            )

@@ -6,7 +6,7 @@ Editors check files by a schema that is made from these sections, as is the page
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
@@ -14,11 +14,11 @@ from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import DRY, FIXED_PLATE, INNER, HeldDown
 from sidmacib.mechanics.assembly import SOFTENED, FaceMaterial, NodeLayout
 from sidmacib.mechanics.crushing import CompressiveStrength, CrushedMaterial
-from sidmacib.quantities import Count, Length, Number, one_of, shown
+from sidmacib.quantities import Count, Length, Number, is_number, number_in, one_of, shown
 from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
 from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.files.block_files import FileSection
+from sidmacib.structure.files.block_files import FileSection, Unit, metres, require_likely
 from sidmacib.structure.files.compas import DENSITIES
 from sidmacib.structure.files.loads import LoadCaseSection, LoadSection, PermanentSection
 from sidmacib.structure.files.selection import Between
@@ -181,6 +181,9 @@ SHAPES = (("vertices", "faces"), ("low", "high"), ("outline", "along"))
 class ShapeSection(Keys):
     """A block, as a cuboid, a prism or a polyhedron."""
 
+    unit: Unit | None = None
+    """unit of its coordinates, by default m; one with a unit of its own, such as 80mm, keeps it"""
+
     low: Vector | None = None
     """a corner of a cuboid"""
     high: Vector | None = None
@@ -199,6 +202,15 @@ class ShapeSection(Keys):
     material: str | None = None
     """a name for rules to refer to"""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _in_metres(cls, given: Any) -> Any:
+        unit: Any = given.get("unit") if isinstance(given, Mapping) else None
+        if unit not in get_args(Unit):
+            return given
+        keys = {key for shape in SHAPES for key in shape} - {"faces"}
+        return {k: _times(v, metres(unit)) if k in keys else v for k, v in given.items()}
+
     @model_validator(mode="after")
     def _has_a_shape(self) -> Self:
         given = self.model_fields_set & {key for shape in SHAPES for key in shape}
@@ -215,7 +227,17 @@ class ShapeSection(Keys):
             made = prism(name, self.outline, self.along, self.density, fixed=self.fixed)
         else:
             made = Block(name, self.vertices or (), self.faces or (), self.density, self.fixed)
+        if not self.fixed and self.unit is None:  # the ground may be large
+            require_likely(made.size, f"blocks.{name}: it")
         return [replace(made, material=self.material)]
+
+
+def _times(value: Any, factor: float) -> Any:
+    """Numbers without a unit of their own in ``value`` times a ``factor``."""
+    if isinstance(value, list | tuple):
+        return [_times(each, factor) for each in value]
+    number: Any = number_in(value) if isinstance(value, str) else value
+    return float(f"{number * factor:.15g}") if is_number(number) else value
 
 
 def _block(value: Any) -> Any:
@@ -266,14 +288,18 @@ class StructureFile(Keys):
         return found
 
     @property
-    def assumed(self) -> dict[str, float]:
+    def assumed(self) -> dict[str, str]:
         """What blocks of meshes and their dry interfaces have though the file does not say it."""
         files = [each for each in self.blocks.values() if isinstance(each, FileSection)]
         files = [each for each in files if not each.file.lower().endswith(".json")]
         laws = {"friction", "from_file"} & self.interfaces.model_fields_set
-        found = {} if laws or self.special or not files else {"friction": INTERFACE.friction}
+        found = {}
+        if files and not laws and not self.special:
+            found["friction"] = f"{INTERFACE.friction:g}"
         if any("density" not in each.model_fields_set for each in files):
-            found["density"] = FileSection.model_fields["density"].default
+            found["density"] = f"{FileSection.model_fields['density'].default:g} kg/m3"
+        if any(each.length is None and not each.file.endswith(".3dm") for each in files):
+            found["unit"] = "m"
         return found
 
 
