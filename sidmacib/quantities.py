@@ -226,6 +226,9 @@ class Number(Read):
 
     def _spelled(self, text: str) -> float | None:
         """The number in ``text``, in `unit`; ValueError for a unit of something else."""
+        if text.endswith("%") and not self.unit and not self.whole:
+            share = number_in(text[:-1].strip())
+            return None if share is None else float(f"{share / 100.0:.15g}")
         number, found = number_in(text), _SPELLED.fullmatch(text.strip())
         if number is not None or found is None or (number := number_in(found[1])) is None:
             return number

@@ -66,8 +66,42 @@ def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
 
 
 @pytest.mark.parametrize(
+    ("options", "by"),
+    [
+        ([], "the safe rule"),
+        (["--scatter", "20%"], "the design resistance"),
+        (["--scatter", "0.2", "--gamma-m", "1.5"], "the design resistance"),
+        (["-m", "law"], "the law"),
+    ],
+)
+@pytest.mark.parametrize("load", [["-V", "140N", "-e", "0.3"], ["-V", "300N", "-e", "0.3"]])
+def test_capacity_says_whether_a_joint_carries_a_load_as_joint_does(
+    options: list[str], by: str, load: list[str], tmp_path: Path
+) -> None:
+    words = [*GIVEN[:-2], *options, *load]
+    found = command("capacity", *words)
+    verdict, *_ = found.output.splitlines()
+    factor = float(re.search(r"factor (?:of|is) (\S+) by ", verdict)[1])
+    assert verdict.endswith(f" by {by}")
+    assert verdict.startswith("Yes: it carries V = " if factor >= 1 else "No: it does not carry V")
+    assert found.exit_code == (factor < 1.0)
+    if "-m" in options:
+        return
+    ended = command("joint", *words[2:], "--vary", "locks=9", "--all", "--format", "json")
+    (row,) = json.loads(ended.stdout.partition("Error")[0])
+    usage = next(value for name, value in row.items() if name.startswith("required / "))
+    assert usage is None or factor == pytest.approx(1 / usage, rel=5e-3)
+    note = tmp_path / "note.html"
+    command("capacity", *words, "--note", str(note))
+    noted = float(re.search(r"Utilisation (\S+):", note.read_text())[1])
+    assert noted == pytest.approx(1 / factor, rel=5e-3)
+
+
+@pytest.mark.parametrize(
     ("options", "words"),
     [
+        (["-V", "1", "-e", "0", "-e", "1"], "-V, -M: need one direction, -e once"),
+        (["-M", "1", "-e", "0.2"], "must have a torque or e / a, not both"),
         (
             ["--scatter", "20"],
             "--scatter: '20' is not allowed; it must be greater than 0 and at most 1",

@@ -75,7 +75,7 @@ def verdict(
         found, factor = _by_static(newtons, static, most), static.load / newtons
         if most is None or most >= factor * (1.0 - LOWER):
             return found
-        note = f"limit analysis decides, as it is lower: the static model has {_factor(factor)}"
+        note = f"limit analysis decides, as it is lower: the static model has {factor_of(factor)}"
         by_limit = _by_limit(newtons, most, note)
         return replace(by_limit, first=found.first, peak=found.peak)
     for error in (static, limit):
@@ -93,32 +93,32 @@ def verdict(
 
 
 def _by_limit(newtons: float, most: float, note: str) -> Verdict:
-    words = _by_factors(newtons, most, f"{_factor(most)} to the limit")
+    words = by_factors(f"{four_digits(newtons)} N", most, f"{factor_of(most)} to the limit")
     return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
 
 
 def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | None) -> Verdict:
     first, peak = static.failures.first / newtons, static.failures.peak / newtons
     factor, error = static.load / newtons, static.mesh_error or 0.0
-    factors, notes = _factor(peak), []
+    factors, notes = factor_of(peak), []
     if bond_fails(static.failures):
-        factors = f"{_factor(first)} to the first failure, {_factor(peak)} to the peak"
+        factors = f"{factor_of(first)} to the first failure, {factor_of(peak)} to the peak"
     if bond_fails(static.failures) or static.mode == CRUSHING:
         notes.append(str(static.counts))
     if abs(factor - 1.0) < error * factor:
         notes.append(f"the mesh error of {100.0 * error:.2g} % leaves it open")
-    words = _by_factors(newtons, factor, factors)
+    words = by_factors(f"{four_digits(newtons)} N", factor, factors)
     return Verdict(newtons, factor >= 1.0, words, "; ".join(notes), factor, first, peak, most)
 
 
-def _factor(value: float) -> str:
+def factor_of(value: float) -> str:
     """Three digits of a factor, or as many as tell it from 1."""
     shown = (f"{value:.{digits}g}" for digits in range(3, 7))
     return next((each for each in shown if each != "1"), "1")
 
 
-def _by_factors(newtons: float, factor: float, factors: str) -> str:
-    load = f"{four_digits(newtons)} N"
+def by_factors(load: str, factor: float, factors: str) -> str:
+    """Whether a ``load`` in words is carried, by its ``factor``; ``factors``: that, or all."""
     if factor >= 1.0:
         return f"it carries {load} with a factor of {factors}"
     return f"it does not carry {load}: its factor is {factors}"

@@ -14,12 +14,19 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.problem import Failures, checked_share
+from sidmacib.quantities import four_digits
 
 if TYPE_CHECKING:
     from sidmacib.rule import LawCapacity
+    from sidmacib.rule.inverse import Demand
     from sidmacib.rule.reliability import Reliability
 
 Row = dict[str, Any]
+WORDS = {
+    **{"design": "the design resistance", "safe": "the safe rule", "law": "the law"},
+    **{"static": "the static model", "limit": "limit analysis", "sidmacib": "SiDMACIB"},
+    **{name: engine.label for name, engine in ENGINES.items()},
+}
 
 
 @dataclass(frozen=True)
@@ -146,15 +153,18 @@ MODELS: dict[str, Model] = {
 }
 
 
-def resistances(reliability: "Reliability") -> dict[str, Model]:
-    """Characteristic and design resistance, of those that ``reliability`` asks for."""
+def resistances(reliability: "Reliability", *, decides: bool) -> dict[str, Model]:
+    """Characteristic and design resistance, of those that ``reliability`` asks for.
+
+    ``decides``: whether one of them has to say if a load is carried.
+    """
     from sidmacib.rule.reliability import resistances as asked
 
     words = {
         "characteristic": ("", "5 % fractile of the first failure"),
         "design": (f"gamma_M {reliability.partial_factor:g} and the safe rule's margin", ""),
     }
-    rules = asked(reliability).items()
+    rules = asked(reliability, decides=decides).items()
     return {name: partial(_by_rule, rule, *words[name]) for name, rule in rules}
 
 
@@ -206,6 +216,36 @@ def capacity_rows(
                 }
             )
     return rows
+
+
+def with_factors(
+    rows: Sequence[Row], demand: "Demand", joint: Joint
+) -> tuple[list[Row], str, bool]:
+    """The ``rows`` with factors on the load of ``demand``, the verdict, and whether it is yes.
+
+    The design resistance decides, else the safe rule, else the first model that was asked.
+    """
+    from sidmacib.answers.verdict import by_factors, factor_of
+
+    direction, load = demand.direction(joint), demand.load(joint)
+    shear, torque = load * direction.shear, load * direction.torque * joint.a
+    key, needed = ("V (N)", shear) if shear else ("M (N m)", torque)
+    found: list[Row] = []
+    for row in rows:
+        factor = None if row[key] is None else row[key] / needed
+        loads = {name: row[name] for name in ("e/a", "model", "V (N)", "M (N m)")}
+        found.append({**loads, "factor": factor, **row})
+    by_model = {row["model"]: row for row in found}
+    names = (name for name in ("design", "safe") if name in by_model)
+    decides = by_model[next(names, found[0]["model"])]
+    factor, name = decides["factor"], decides["model"]
+    by = f"by {WORDS.get(name, name)}"
+    if factor is None:
+        return found, f"No answer {by}: {decides['note']}", False
+    both = (("V", shear, "N"), ("M", torque, "N m"))
+    what = ", ".join(f"{k} = {four_digits(size)} {unit}" for k, size, unit in both if size)
+    words = by_factors(what, factor, f"{factor_of(factor)} {by}")
+    return found, f"{'Yes' if factor >= 1.0 else 'No'}: {words}", factor >= 1.0
 
 
 def reason(error: Exception) -> str:

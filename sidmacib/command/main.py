@@ -1,5 +1,6 @@
 """The command `multilock`."""
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from sidmacib.command.answers import (
     resistances,
     usual_models,
     weight_rows,
+    with_factors,
 )
 from sidmacib.command.blocks import assembly, build, design
 from sidmacib.command.options import (
@@ -38,6 +40,7 @@ from sidmacib.command.output import (
     note_of,
     refused_in_one_line,
     require_answer,
+    say,
     status_line,
     text_of,
 )
@@ -49,6 +52,12 @@ from sidmacib.quantities import Number
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
 FORCE, TORQUE = Number(at_least=0, unit="N"), Number(unit="N m")
+_shear = grouped(
+    LOAD, "-V", "--shear", type=quantity(FORCE), default=0.0, help="Shear force to carry, N."
+)
+_torque = grouped(
+    LOAD, "-M", "--torque", type=quantity(TORQUE), default=0.0, help="Torque to carry, N m."
+)
 _ratio = grouped(
     LOAD,
     "-e",
@@ -112,9 +121,10 @@ def main() -> None:
     "ratios",
     multiple=True,
     type=RATIO,
-    default=(0.0,),
     help="e / a, or torsion; may be repeated.  [default: 0, pure shear]",
 )
+@_shear
+@_torque
 @_models
 @reliability_options
 @format_option
@@ -122,6 +132,8 @@ def main() -> None:
 @note_option
 def capacity(
     ratios: Sequence[float],
+    shear: float,
+    torque: float,
     models: Sequence[str],
     variation: float | None,
     factor: float | None,
@@ -145,13 +157,25 @@ def capacity(
 
     If the strengths are means, --scatter adds the characteristic value, which 5 % of joints do not
     reach; --gamma-m adds the design resistance. The last line says what strengths are taken for.
+
+    With -V, -M, or -V with -e, the first line says whether the joint carries that load: by the
+    design resistance, else by the safe rule. The exit status is 1 if it does not.
     """
     from sidmacib.rule.reliability import Reliability
 
     joint, reliability = joint_of(flags), Reliability(variation or 0.0, factor or 1.0)
+    demand = None
+    if shear or torque:
+        from sidmacib.command.inverse import demand_of
+
+        if len(ratios) > 1:
+            raise click.UsageError("-V, -M: need one direction, -e once")
+        ratio = ratios[0] if ratios else None if torque else 0.0
+        demand = demand_of(shear, torque, ratio, reliability)
+        ratios = (demand.direction(joint).eccentricity,)
     asked = {name: MODELS[name] for name in models or usual_models(joint)}
-    asked |= resistances(reliability)
-    directions = list(dict.fromkeys(ratios))
+    asked |= resistances(reliability, decides=demand is not None)
+    directions = list(dict.fromkeys(ratios or (0.0,)))
     if note is not None and len(directions) > 1:
         raise click.UsageError("--note: needs one direction, -e once")
     with status_line() as progress:
@@ -161,11 +185,18 @@ def capacity(
     if note is not None:
         from sidmacib.command.note import Case, write_note
 
-        write_note(Case(joint, Direction(directions[0]), Push(push), reliability), note)
+        needed = None if demand is None else demand.load(joint)
+        write_note(Case(joint, Direction(directions[0]), Push(push), reliability, needed), note)
+    passes = True
+    if demand is not None:
+        rows, words, passes = with_factors(rows, demand, joint)
+        say(words, form)
     click.echo(text_of(rows, form))
     if form == "table":
         click.echo(meaning(reliability))
     require_answer(rows)
+    if not passes:
+        sys.exit(1)
 
 
 @main.command()
@@ -236,8 +267,8 @@ def law(form: str, push: str, **flags: Any) -> None:
 
 @main.command("joint")
 @joint_options
-@grouped(LOAD, "-V", "--shear", type=quantity(FORCE), default=0.0, help="Shear force to carry, N.")
-@grouped(LOAD, "-M", "--torque", type=quantity(TORQUE), default=0.0, help="Torque to carry, N m.")
+@_shear
+@_torque
 @grouped(
     LOAD,
     "-e",

@@ -205,9 +205,12 @@ def design_resistance(
     return capacity_of(joint, direction, whole.load / factor, whole.mode)
 
 
-def resistances(reliability: Reliability) -> dict[str, Callable[..., LawCapacity]]:
+def resistances(
+    reliability: Reliability, *, decides: bool = False
+) -> dict[str, Callable[..., LawCapacity]]:
     """`characteristic` and `design_resistance`, as far as ``reliability`` asks for them, by name.
 
+    ``decides``: whether a scatter alone asks for the latter too, as a load is to be carried.
     They take a joint, a direction and a push, as the law does.
     """
     asked: dict[str, Callable[..., LawCapacity]] = {}
@@ -215,7 +218,7 @@ def resistances(reliability: Reliability) -> dict[str, Callable[..., LawCapacity
         asked["characteristic"] = lambda joint, direction, push=Push.PLUS_Y: (
             characteristic(joint, direction, reliability.variation, push).capacity
         )
-    if reliability.partial_factor != 1.0:
+    if reliability.partial_factor != 1.0 or (decides and reliability.variation):
         asked["design"] = partial(design_resistance, reliability=reliability)
     return asked
 
