@@ -86,7 +86,9 @@ def test_a_face_whose_vertex_is_missing_is_refused(vertex: int, tmp_path: Path) 
         blocks_from_mesh(path, 2e3)
     assert "\n" not in str(error.value)
     if vertex > 0:
-        assert str(error.value).endswith(f"has a face with vertex {vertex}; it has 0 to 3")
+        assert str(error.value).endswith(
+            f"has a face with vertex {vertex}; it has 0 to 3; export the mesh again"
+        )
 
 
 def test_a_block_of_too_many_faces_is_refused_before_they_are_checked(tmp_path: Path) -> None:

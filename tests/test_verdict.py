@@ -188,6 +188,15 @@ def test_each_load_case_has_a_line_and_the_lowest_factor_governs(path: Path) -> 
     assert one == (0, "Yes: it carries 5000 N with a factor of 3.92")
 
 
+def test_the_load_case_that_governs_is_noted(tmp_path: Path) -> None:
+    note = tmp_path / "note.html"
+    file = ROOT / "studies/structures/retaining.yaml"
+    assert run("assembly", str(file), "--note", str(note)).exit_code == 0
+    words = " ".join(note.read_text().split())
+    assert "earthquake governs: it carries 3836 N" in words
+    assert "forces in proportion to the masses, along (-1, 0, 0)" in words
+
+
 def test_the_retaining_wall_slides_where_friction_and_earth_say() -> None:
     """The example of the documentation: at its base, pushed by earth and an earthquake."""
     weight = 2300 * GRAVITY * 0.5 * (1.0 + 0.9 + 0.8 + 0.7)

@@ -94,7 +94,7 @@ def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
         demands = (chosen_case(demands, wanted.case),)
     elif demands[0].case is not None or not demands[0].raises:
         if demands[0].raises:
-            return _of_cases(demands, wanted)
+            return _of_cases(file, description, demands, notes, wanted)
         return _of_reserve(file, description, demands[0], notes, wanted)
     if isinstance(demands[0].problem.loads, SupportMotion):
         return _of_support(file, demands[0], wanted)
@@ -107,12 +107,20 @@ def _note_turned(description: Any, folder: Path) -> None:
         click.echo(f"Note: it stands with {key}", err=True)
 
 
-def _of_cases(demands: Sequence[Demand], wanted: Wanted) -> Answered:
-    others = "interfaces", "compas", "capacity_curve", "picture", "report", "note"
+def _of_cases(
+    file: Path, description: Any, demands: Sequence[Demand], notes: Sequence[str], wanted: Wanted
+) -> Answered:
+    """The verdict on all load cases; the one that governs is drawn and noted."""
+    others = "interfaces", "compas", "capacity_curve"
     wanted.refuse("needs --case, as the file has load_cases", *others)
     rows, words, passes = case_rows(demands)
     say(words, wanted.form)
     click.echo(text_of(rows, wanted.form))
+    if wanted.draws:
+        (problem,) = (d.problem for d, row in zip(demands, rows, strict=True) if row["governs"])
+        limit = limit_of(problem)
+        static = static_of(problem, limit)
+        _draw(wanted, rows, file, description, problem, limit, static, notes, words)
     return None, passes
 
 

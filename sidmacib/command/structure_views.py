@@ -302,7 +302,7 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
     one, other = found_by.get("static"), found_by.get("limit")
     if one and other:
         kept = "verified" if other >= one * (1.0 - BELOW) else "NOT verified"
-        told = f"{other:.4g} / {one:.4g} = {other / one:.3f}"
+        told = f"{four_digits(other)} / {four_digits(one)} = {other / one:.3f}"
         yield "Limit analysis is at or above the static model", told, kept
     for note in views.notes:
         yield "Input", note, "see the file"

@@ -105,7 +105,8 @@ def limit_of(problem: Problem, tell: Tell = str) -> LimitState | CapacityError |
         found = limit_state(*problem)
     except CapacityError as error:
         return error
-    tell(f"limit: {four_digits(found.load)} N")
+    share = found.load / free_weight(assembly)
+    tell(f"limit: {four_digits(found.load)} N, {share:.4g} of the weight")
     return found
 
 

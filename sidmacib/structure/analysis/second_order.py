@@ -61,6 +61,8 @@ def rotation_words(change: float | None) -> str:
     """A note on a ``change`` of the load, over it; nothing if it does not matter."""
     if change is None or abs(change) <= MATTERS:
         return ""
+    if abs(change) >= 1.0:
+        return "blocks turn too far for small displacements to describe it"
     way = "lower" if change < 0.0 else "raise"
     return (
         f"small displacements: finite rotation would {way} it by about {100.0 * abs(change):.2g} %"

@@ -81,7 +81,7 @@ def _surfaces(path: Path) -> dict[str, Surface]:
     for places, faces in found.values():
         corners, last = np.concatenate(faces), len(places) - 1
         if len(wrong := corners[(corners < 0) | (corners > last)]):
-            words = f"has a face with vertex {wrong[0]}; it has 0 to {last}"
+            words = f"has a face with vertex {wrong[0]}; it has 0 to {last}; export the mesh again"
             raise ValueError(f"file: {path.name}: {words}")
         require_near(f"file: {path.name}", places)
     return found
