@@ -14,6 +14,7 @@ import pytest
 import trimesh
 from command_runner import run
 from conftest import ROOT
+from described import study
 from scipy.spatial.transform import Rotation
 
 from sidmacib.build import (
@@ -257,6 +258,16 @@ def test_a_sheet_has_every_size_of_the_joint() -> None:
 def test_numbers_of_dimensions_are_short() -> None:
     found = [spelled(x) for x in (250.0, 49.75, 7.9, 1.23456, 60.000001)]
     assert found == ["250", "49.75", "7.9", "1.235", "60"]
+
+
+def test_a_sheet_tells_the_taper_of_a_voussoir() -> None:
+    """By its chords on both sides and the inclination of its joints."""
+    (kind,) = kinds(made(blocks_and_rows(study("arch/arch")))[2:3])
+    (axes, *_) = draw_sheet(kind, {}, 1, "mm", "").axes
+    words = {text.get_text() for text in axes.texts}
+    inner, outer = (spelled(2e3 * radius * math.sin(math.pi / 10)) for radius in (0.875, 1.125))
+    assert {inner, outer} <= words
+    assert any(text.endswith("18\N{DEGREE SIGN}") for text in words)
 
 
 def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:

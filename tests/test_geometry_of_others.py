@@ -248,9 +248,8 @@ def test_lists_of_meshes_may_be_in_lists(tmp_path: Path) -> None:
 
 def test_a_file_without_supports_is_told_how_to_name_them() -> None:
     ended = run("assembly", str(CASES / "yup.obj"), "--up", "y")
-    assert ended.output.splitlines()[-1].endswith(
-        "name those that cannot move: --fixed, --fixed-below"
-    )
+    words = "name those that cannot move: by --fixed or --fixed-below, or by fixed in a YAML file"
+    assert words in ended.output.splitlines()[-1]
 
 
 def test_a_tolerance_of_0_is_refused_not_ignored() -> None:

@@ -19,7 +19,17 @@ from matplotlib.transforms import Bbox
 
 from sidmacib.build import Kind
 from sidmacib.build.files import UNITS, label
-from sidmacib.build.views import Detail, View, cut_place, details, distinct, section, smooth, view
+from sidmacib.build.views import (
+    Detail,
+    View,
+    cut_place,
+    details,
+    distinct,
+    section,
+    smooth,
+    straight,
+    view,
+)
 from sidmacib.drawing import BLACK, GREY, VERMILION, write_figure
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.locks import Row
@@ -32,6 +42,8 @@ SCALES += (50, 75, 100, 150, 200, 250, 500, 1000, 2000, 5000, 10000)
 MOST = 12  # dimensions in a chain: more have no room
 LEAST = 2.2  # mm of paper: shorter ones have none
 KEPT = 0.6  # of all stops: a chain without more of them would tell too little
+LABELLED = 12.0  # mm of paper: edges that are shorter have no room for their length
+LEVEL = 0.05  # degrees: what is inclined by less counts as level or upright
 MOST_DETAILS = 3
 FRONT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # to the right, up, towards the viewer
 ABOVE = np.eye(3)
@@ -82,7 +94,9 @@ def draw_sheet(kind: Kind, rows: Mapping[Pair, Row], count: int, unit: str, note
     axes.set_axis_off()
     for each in views:
         _draw(axes, each)
-        _dimensions(axes, each, unit)
+        chained = _dimensions(axes, each, unit)
+        if each in (front, views[2]):
+            _edges(axes, each, unit, chained)
     for each in (front, views[2]):
         x = each.corner[0] + place * scale
         top = each.on_paper(each.view.visible.reshape(-1, 2)).max(axis=0)[1]
@@ -140,19 +154,56 @@ def _draw(axes: Axes, each: Placed) -> None:
     axes.text(each.corner[0], top + 7.5, each.title, fontsize=8, style="italic")
 
 
-def _dimensions(axes: Axes, each: Placed, unit: str) -> None:
-    """A chain below and one on the right, of all corners, and one of the whole."""
+def _dimensions(axes: Axes, each: Placed, unit: str) -> list[bool]:
+    """A chain below and one on the right, of all corners, and one of the whole.
+
+    Returns whether there is room for all corners below and on the right.
+    """
+    chained = []
     points = each.view.visible.reshape(-1, 2)
     low, high = each.on_paper(points.min(axis=0)), each.on_paper(points.max(axis=0))
     for axis in (0, 1):
         stops = distinct(np.concatenate([points[:, axis], each.view.hidden[..., axis].ravel()]))
         apart = _apart(stops, LEAST / each.scale)
         room = 2 < len(apart) <= MOST + 1 and len(apart) >= KEPT * len(stops)
+        chained.append(room)
         chains = [apart] if room else []
         for number, chain in enumerate([*chains, [stops[0], stops[-1]]]):
             off = 4.5 + 5.5 * number
             across = low[1] - off if axis == 0 else high[0] + off
             _chain(axes, each, axis, chain, across, unit)
+    return chained
+
+
+def _edges(axes: Axes, each: Placed, unit: str, chained: Sequence[bool]) -> None:
+    """Lengths of edges that are not those of the whole, and angles of inclined ones to the level.
+
+    Of edges too short for their length, the longest of a direction above and below the middle has
+    its angle. ``chained``: whether level and upright edges are told by a chain.
+    """
+    size = np.ptp(each.view.visible.reshape(-1, 2), axis=0)
+    middle = each.view.visible.reshape(-1, 2).min(axis=0) + size / 2
+    told: set[tuple[float, bool]] = set()
+    for start, end in straight(each.view.visible):
+        along = end - start if end[0] > start[0] else start - end
+        length, angle = float(np.hypot(*along)), float(np.degrees(np.arctan2(along[1], along[0])))
+        inclined = LEVEL < abs(angle) < 90.0 - LEVEL
+        angle = angle if inclined else round(abs(angle), -1)
+        long = length * each.scale >= LABELLED
+        same = (round(angle, 1), bool(((start + end) / 2 - middle)[1] > 0.0))
+        axis = int(abs(angle) > 45.0)
+        if not inclined and (not long or chained[axis] or np.isclose(length, size[axis])):
+            continue
+        if inclined and not long and (same in told or length * each.scale < LABELLED / 3):
+            continue
+        told.add(same)
+        words = spelled(UNITS[unit] * length) if long else ""
+        words += f"  {abs(angle):.3g}\N{DEGREE SIGN}" if inclined else ""
+        normal = np.array([-along[1], along[0]]) / length
+        inwards = normal * np.sign((middle - (start + end) / 2) @ normal)
+        place = each.on_paper((start + end) / 2) + 1.6 * inwards
+        aligned = {"ha": "center", "va": "center", "rotation_mode": "anchor"}
+        axes.text(*place, words.strip(), fontsize=5.5, rotation=angle, **aligned)
 
 
 def _apart(stops: Sequence[float], least: float) -> list[float]:

@@ -1,10 +1,13 @@
 """Views of a solid: its edges, those that are hidden told apart, and sections."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import manifold3d
 import numpy as np
+import shapely
 import trimesh
 
 from sidmacib.build import Solid, simplified, surface
@@ -113,6 +116,18 @@ def view(solid: Solid, axes: Floats) -> View:
             seen[bool(out_of_sight)].append(np.array([start[:2], end[:2]]))
     visible, hidden = (np.array(lines).reshape(-1, 2, 2) for lines in seen.values())
     return View(visible, hidden)
+
+
+def straight(lines: Floats) -> Floats:
+    """``lines``, (N, 2, 2), with those joined that go on straight; the longest first, (M, 2, 2)."""
+    near = SMOOTH * float(np.ptp(lines.reshape(-1, 2), axis=0).max())
+    whole = shapely.line_merge(shapely.union_all(shapely.linestrings(lines)))
+    found = [
+        (start, end)
+        for line in shapely.get_parts(shapely.simplify(whole, near))
+        for start, end in pairwise(shapely.get_coordinates(line))
+    ]
+    return np.array(sorted(found, key=lambda ends: -math.dist(*ends)))
 
 
 def section(solid: Solid, place: float) -> View:
