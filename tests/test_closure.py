@@ -40,9 +40,9 @@ print("\\n".join(sorted(name for name in opened if name.startswith(root + "/")))
 
 @pytest.fixture
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A project of four modules."""
+    """A project of five modules."""
     monkeypatch.setattr(module, "ROOT", tmp_path)
-    for name in ("_imports", "_tree", "_tree_digest", "closure", "source"):
+    for name in ("_imports", "_text", "_tree", "_tree_digest", "closure", "source"):
         monkeypatch.setattr(module, name, getattr(module, name).__wrapped__)
     (tmp_path / "workflow").mkdir()
     for name, text in {
@@ -50,6 +50,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "a": "import workflow.b",
         "b": "def f():\n    from . import c\n",
         "c": "import numpy",
+        "e": 'm = importlib.import_module("workflow.c").x',
         "d": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import workflow.c\n",
     }.items():
         (tmp_path / f"workflow/{name}.py").write_text(text)
@@ -58,6 +59,12 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_imports_are_followed_into_functions_and_relative_ones(project: Path) -> None:
     assert module.closure("workflow.a") == {"workflow", "workflow.a", "workflow.b", "workflow.c"}
+
+
+def test_imports_by_name_are_followed(project: Path) -> None:
+    assert module.closure("workflow.e") == {"workflow", "workflow.e", "workflow.c"}
+    assert "sidmacib.mechanics.elastic" in closure("sidmacib.models.static")
+    assert "sidmacib.mechanics.limit" in closure("sidmacib.models.structure_static")
 
 
 def test_imports_for_type_checkers_do_not_count(project: Path) -> None:

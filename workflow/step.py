@@ -1,14 +1,15 @@
 """A step of a study: what the script of a rule does around its work, and the code that it runs.
 
 That code is the modules of this project that the script imports, directly or not. Imports are read
-from the source, including those inside functions, so nothing is listed by hand. A module counts by
-its syntax tree: comments and layout do not matter.
+from the source, including those inside functions and `importlib.import_module` of a name, so
+nothing is listed by hand. A module counts by its syntax tree: comments and layout do not matter.
 """
 
 import ast
 import ctypes
 import hashlib
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -21,6 +22,7 @@ import __main__
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("sidmacib", "workflow", "analysis", "studies")
+BY_NAME = re.compile(r'import_module\("([\w.]+)"\)')
 PR_SET_PDEATHSIG = 1
 
 Arguments = Mapping[str, Any]
@@ -120,6 +122,7 @@ def _imports(module: str) -> tuple[str, ...]:
             names.append(base)
             # A name imported from a package may be one of its modules.
             names += [f"{base}.{alias.name}" for alias in node.names]
+    names += BY_NAME.findall(_text(module))
     return tuple(name for name in dict.fromkeys(names) if source(name))
 
 
@@ -135,9 +138,14 @@ def _statements(node: ast.AST) -> Iterator[ast.AST]:
 
 @cache
 def _tree(module: str) -> ast.Module:
+    return ast.parse(_text(module), str(source(module)))
+
+
+@cache
+def _text(module: str) -> str:
     path = source(module)
     assert path is not None, f"{module}: not a module of this project"
-    return ast.parse(path.read_text(encoding="utf-8"), str(path))
+    return path.read_text(encoding="utf-8")
 
 
 @cache
