@@ -63,6 +63,9 @@ def test_imports_are_followed_into_functions_and_relative_ones(project: Path) ->
 
 def test_imports_by_name_are_followed(project: Path) -> None:
     assert module.closure("workflow.e") == {"workflow", "workflow.e", "workflow.c"}
+
+
+def test_the_static_model_depends_on_what_it_imports_where_it_is_needed() -> None:
     assert "sidmacib.mechanics.elastic" in closure("sidmacib.models.static")
     assert "sidmacib.mechanics.limit" in closure("sidmacib.models.structure_static")
 
