@@ -117,9 +117,9 @@ def static_answer(
         if not crushed and any(face.kind is not Kind.DRY for face in problem.assembly.faces):
             return unbounded_answer(problem)
         # Imported here, as following a path loads no solver of programmes.
-        crushing = importlib.import_module("sidmacib.answers.structure_bounds")
-        bounded = crushing.with_crushing if crushed else crushing.bounded
-        answer: StaticAnswer = bounded(problem, limit)
+        bounds = importlib.import_module("sidmacib.answers.structure_bounds")
+        answer_of = bounds.with_crushing if crushed else bounds.bounded
+        answer: StaticAnswer = answer_of(problem, limit)
         return answer
 
 
@@ -194,8 +194,9 @@ def _turned(found: Mapping[int, FollowedPath], error: float) -> bool:
     from mesh to mesh by a factor.
     """
     half, path = found[HALF].path[-1].rotation, found[QUARTER].path
-    most = MOST_ROTATION * half / max(path[-1].rotation, half)
-    reached = max((point.load for point in path if point.rotation <= most), default=0.0)
+    growth = max(path[-1].rotation / half, 1.0) if half else 1.0
+    counted = (point.load for point in path if point.rotation * growth <= MOST_ROTATION)
+    reached = max(counted, default=0.0)
     return reached < (1.0 - error) * path[-1].load
 
 
