@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from structures import example
 
-from sidmacib.answers.structure import CRUSHING, static_answer
+from sidmacib.answers.structure import static_answer
+from sidmacib.answers.structure_paths import CRUSHING
 from sidmacib.design.file import task_of
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal

@@ -17,7 +17,7 @@ from werkzeug.exceptions import NotFound
 
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from analysis.explore.state import Figure, compared
-from sidmacib.answers.structure import StaticAnswer
+from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
 from sidmacib.command.assembly import case_rows, demanded_rows
 from sidmacib.command.output import cell

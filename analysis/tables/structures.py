@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.answers.structure import counting, without_other_meshes
+from sidmacib.answers.structure_paths import counting, without_other_meshes
 from sidmacib.answers.verdict import KeptAnswer, Verdict, governing, verdict
 from sidmacib.engines.curve import yade_answer
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError

@@ -1,231 +1,237 @@
-"""What the static model answers for a structure, and which of its loads counts.
+"""What the static model answers for a structure: paths, and what limit analysis takes from them.
 
-It is solved on the cells of the file and on cells of half the size. Where no bond fails before the
-peak, the peak counts, and cells are halved until its mesh error is small: a face on few cells
-resists twisting by more friction than it has. Limit analysis bounds what dry blocks carry, and
-shows where two meshes agree by chance: the lower of the two counts.
+Limit analysis bounds what dry blocks carry. A peak above it is one on cells that are too large,
+though meshes may agree on it by chance.
 
-Where a bond does fail before the peak, how far that moves from one mesh to another says little of
-how far it still will: it counts only if three meshes agree on it, the third with cells of a quarter
-of the size, on which the lowest peak is sought. Otherwise the first failure counts, which hardly
-depends on the mesh.
-
-`sidmacib.answers.structure_bounds` adds limit analysis, and with it crushing, of which the static
-model knows nothing.
+Crushing: the model follows elastic interfaces that no pressure crushes. As long as their
+resultants satisfy the limits of `sidmacib.mechanics.crushing`, its path is that of blocks that can
+be crushed. Beyond, the parts of interfaces that are crushed yield, and forces go elsewhere, which
+limit analysis finds: the lower of its load and the model's is the capacity. Where forces can go
+nowhere else, crushing begins at the limit load.
 """
 
-import importlib
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
-from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnsettledError
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
-from sidmacib.mechanics.crushing import crushed_faces
-from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
-from sidmacib.mechanics.static import MOST_ROTATION, static_peak
-from sidmacib.mechanics.static.peaks import lowest_peak
-from sidmacib.mesh_error import structure_mesh_errors
-from sidmacib.problem import Counts, Failures, MeshErrors, Problem
+import numpy as np
+from scipy.optimize import bisect
+
+from sidmacib.answers.structure_paths import (
+    CRUSHING,
+    LOWER,
+    SMALL,
+    StaticAnswer,
+    unbounded_answer,
+    without_other_meshes,
+)
+from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
+from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.crushing import crushed_faces, crushing_use
+from sidmacib.mechanics.limit import LimitState
+from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.mechanics.static import peak_of, solver_of
+from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.tilt import Tilt, static_tilt
+from sidmacib.structure.analysis.limit import (
+    limit_mesh_error,
+    limit_state,
+    limit_tilt,
+    short_of,
+)
+from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined
 
-if TYPE_CHECKING:
-    from sidmacib.mechanics.limit import LimitState
-
-HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
-MOST_NODES = 6000  # on smaller cells than half: more take too much time and memory
-SMALL = 0.02  # mesh error of a peak before which no bond fails, over the peak: cells are not halved
-SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
-CRUSHING = "crushing"  # the mode where it limits the load
-NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the peak"
-
-
-@dataclass(frozen=True)
-class FollowedPath:
-    """A path of equilibria to the peak on the cells of ``assembly``; N, or degrees of a tilt.
-
-    ``mode``: how it ends; ``mechanism``: how the blocks then move where gravity turns, see
-    `StaticTilt`. ``spread``: of the peaks; None where the lowest was not sought.
-    """
-
-    assembly: Assembly
-    failures: Failures
-    path: tuple[Equilibrium, ...]
-    mode: str
-    mechanism: Floats | None = None
-    spread: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class StaticAnswer(FollowedPath):
-    """What the static model answers for a structure: the path on the smallest cells.
-
-    ``given``: the failures on the cells of the file.
-    """
-
-    given: Failures
-    mesh_errors: MeshErrors
-    counts: Counts
-
-    @property
-    def load(self) -> float:
-        """The load or the angle that counts."""
-        return counting(self.failures, self.counts)
-
-    @property
-    def mesh_error(self) -> float | None:
-        """The mesh error of that load, over it; None where it is not known."""
-        return self.mesh_errors.peak if self.counts.peak else self.mesh_errors.first
-
-    @property
-    def state(self) -> Equilibrium:
-        """The equilibrium at that load."""
-        return next(point for point in self.path if point.load >= self.load)
-
-
-def counting(failures: Failures, counts: Counts) -> float:
-    """Which of the ``failures`` counts."""
-    return failures.peak if counts.peak else failures.first
-
-
-def without_other_meshes(failures: Failures) -> Counts:
-    """What counts of ``failures`` that no other mesh confirms."""
-    if bond_fails(failures):
-        return Counts(peak=False, why="nothing shows how far the peak depends on the mesh")
-    return Counts(peak=True, why=NO_BOND)
-
-
-def bond_fails(failures: Failures) -> bool:
-    """Whether a bond fails before the peak."""
-    return failures.peak > failures.first * (1.0 + 2.0 * LEAST_INCREMENT)
+BEYOND = 1.001  # over the limit load: where a path ends that has no other end
+NOT_CRUSHED = "no interface is crushed"
+PRECISION = 1e-6  # of where crushing begins between two equilibria
 
 
 def static_answer(
-    problem: Problem, limit: "LimitState | CapacityError | None" = None
+    problem: Problem, limit: LimitState | CapacityError | None = None
 ) -> StaticAnswer:
     """The answer of the static model for a structure, as a `Problem` on the cells of its file.
 
     ``limit``: of limit analysis, if it is known, which bounds blocks that are dry or are crushed.
-    `CapacityError` if it has none; `NoEquilibriumError` in the words of `DOES_NOT_STAND`.
+    `CapacityError` if it has none; `NoEquilibriumError` if the structure does not stand.
     """
     with naming_permanent(problem.loads):
-        crushed = crushed_faces(problem.assembly)
-        if not crushed and any(face.kind is not Kind.DRY for face in problem.assembly.faces):
-            return unbounded_answer(problem)
-        # Imported here, as following a path loads no solver of programmes.
-        bounds = importlib.import_module("sidmacib.answers.structure_bounds")
-        answer_of = bounds.with_crushing if crushed else bounds.bounded
-        answer: StaticAnswer = answer_of(problem, limit)
+        if crushed_faces(problem.assembly):
+            return with_crushing(problem, limit)
+        if all(face.kind is Kind.DRY for face in problem.assembly.faces):
+            return bounded(problem, limit)
+        return unbounded_answer(problem)
+
+
+def bounded(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+    """The answer for dry blocks that no pressure crushes; ``limit``: as for `with_crushing`."""
+    answer = unbounded_answer(problem)
+    most = _bound(problem, answer.load, limit)
+    if answer.load > (1.0 + SMALL) * most:
+        answer = unbounded_answer(problem, most)
+    if not most < (1.0 - LOWER) * answer.load:
         return answer
+    why = f"limit analysis is lower; the static model alone: {_told(problem, answer.load)}"
+    return _limited(problem, answer, most, why)
 
 
-def unbounded_answer(problem: Problem, most: float = math.inf) -> StaticAnswer:
-    """The answer without limit analysis; errors of `static_answer`.
-
-    ``most``: a load (N or degrees) that the peak on small cells should not exceed by far.
-    """
-    found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
-    if not found[HALF].failures.peak > 0.0:
-        raise NoEquilibriumError(DOES_NOT_STAND)
-    _refine(problem, found, most)
-    if not bond_fails(found[max(found)].failures):
-        return _answer(found, Counts(peak=True, why=NO_BOND))
-    why = _doubt(problem, found)
-    if why and not found[max(found)].failures.first > 0.0:
-        raise CapacityError(f"bonds fail under its own weight alone, and {why}")
-    return _answer(found, Counts(peak=not why, why=why or AGREE))
-
-
-def _refine(problem: Problem, found: dict[int, FollowedPath], most: float) -> None:
-    """Add paths on smaller cells to those ``found`` as long as the peak depends on the cells.
-
-    It does if it is above ``most``.
-    """
-    while not bond_fails((last := found[max(found)]).failures):
-        error, divided = _mesh_errors(found).peak, 2 * max(found)
-        if error is None or (error <= SMALL and last.failures.peak <= (1.0 + SMALL) * most):
-            return
-        smaller = refined(problem.assembly, divided)
-        if len(smaller.nodes.area) > MOST_NODES:
-            return
-        try:
-            found[divided] = _followed(smaller, problem.loads)
-        except UnsettledError:
-            return
-
-
-def _doubt(problem: Problem, found: dict[int, FollowedPath]) -> str:
-    """Why the peak does not count though a bond fails before it, or nothing.
-
-    A path on a third mesh is added to those that are ``found`` if it may decide.
-    """
-    if unsettled := _unsettled(found):
-        return unsettled
-    third = refined(problem.assembly, QUARTER)
-    if len(third.nodes.area) > MOST_NODES:
-        return "a third mesh, which shows whether the peak depends on it, is too large"
+def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:
+    """The load (N or degrees) of limit analysis, if it is below ``load``; else no bound."""
+    assembly, loads = problem
     try:
-        found[QUARTER] = _followed(third, problem.loads, lowest=True)
-    except CapacityError as error:
-        return f"there is no peak on a third mesh: {error}"
-    return _unsettled(found)
+        if loads.axis is None:
+            return _limit_load(problem, limit)
+        tilt = Tilt.of(loads)
+        if short_of(assembly, tilt, (1.0 - LOWER) * load) is not None:
+            return limit_tilt(assembly, tilt).angle
+    except CapacityError:
+        pass
+    return math.inf
 
 
-def _unsettled(found: Mapping[int, FollowedPath]) -> str:
-    """That the peak has not converged, or nothing."""
-    error = _mesh_errors(found).peak
-    if error is None:
-        return "the peak is 0 on one of the meshes"
-    if error > SETTLED:
-        return f"peak not converged (its mesh error: {100.0 * error:.0f} %)"
-    if QUARTER in found and _turned(found, error):
-        return "blocks turn further on each smaller mesh"
-    return ""
+def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+    """The answer for blocks that can be crushed.
 
-
-def _turned(found: Mapping[int, FollowedPath], error: float) -> bool:
-    """Whether rotations may end the path on the next mesh, below the peak by over its ``error``.
-
-    No equilibrium counts in which they are large, and where a block leans on a corner they grow
-    from mesh to mesh by a factor.
+    ``limit``: of limit analysis, if it is known. `NoEquilibriumError` if they do not stand.
     """
-    half, path = found[HALF].path[-1].rotation, found[QUARTER].path
-    growth = max(path[-1].rotation / half, 1.0) if half else 1.0
-    counted = (point.load for point in path if point.rotation * growth <= MOST_ROTATION)
-    reached = max(counted, default=0.0)
-    return reached < (1.0 - error) * path[-1].load
-
-
-def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> FollowedPath:
-    """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
+    unlimited = False
     try:
-        if loads.axis is not None:
-            tilt = static_tilt(assembly, Tilt.of(loads))
-            failures = Failures(float(tilt.first_failure), float(tilt.angle))
-            return FollowedPath(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
-        found = (lowest_peak if lowest else static_peak)(assembly, loads)
-    except NoEquilibriumError:
-        raise NoEquilibriumError(DOES_NOT_STAND) from None
-    except UnsettledError as error:
-        if error.load is None:
-            raise
-        unit = "N" if loads.axis is None else "degrees"
-        up_to = f"there is equilibrium up to {four_digits(error.load)} {unit}"
-        raise UnsettledError(f"{error}; {up_to}") from None
-    failures = Failures(float(found.first_failure_load), float(found.peak.load))
-    spread = found.spread if lowest else None
-    return FollowedPath(assembly, failures, found.path, str(found.mode), spread=spread)
+        answer = unbounded_answer(problem)
+    except UnboundedError as error:
+        answer, unlimited = _as_far_as(problem, _limit_load(problem, limit), error), True
+    begins = crushing_begins(answer.assembly, answer.path)
+    if begins is None or begins[0] > answer.load:
+        return _because(answer, NOT_CRUSHED)
+    try:
+        most = _limit_load(problem, limit)
+    except UnboundedError:
+        most = math.inf
+    load, place = begins
+    words = f"{place} is at its compressive strength from {_told(problem, load)} on"
+    if most >= answer.load:
+        return _because(answer, words)
+    more = "any load" if unlimited else _told(problem, answer.load)
+    why = f"limited by crushing in limit analysis; {words}; without crushing {more}"
+    limited = _limited(problem, answer, most, why)
+    return replace(limited, given=_at_most(answer.given, most), mode=CRUSHING, mechanism=None)
 
 
-def _mesh_errors(found: Mapping[int, FollowedPath]) -> MeshErrors:
-    failures = {divided: each.failures for divided, each in found.items()}
-    return structure_mesh_errors(found[1].assembly, failures)
+def _limited(problem: Problem, answer: StaticAnswer, most: float, why: str) -> StaticAnswer:
+    """The ``answer`` up to the load ``most`` of limit analysis; ``why`` it is what counts."""
+    return replace(
+        answer,
+        failures=_at_most(answer.failures, most),
+        mesh_errors=MeshErrors(answer.mesh_errors.first, limit_mesh_error(problem, most)),
+        counts=Counts(peak=True, why=why),
+        path=_up_to(answer.path, most),
+    )
 
 
-def _answer(found: Mapping[int, FollowedPath], counts: Counts) -> StaticAnswer:
-    finest, errors = vars(found[max(found)]), _mesh_errors(found)
-    return StaticAnswer(**finest, given=found[1].failures, mesh_errors=errors, counts=counts)
+def _as_far_as(problem: Problem, most: float, error: UnboundedError) -> StaticAnswer:
+    """The answer to just beyond the load ``most`` (N) where the model has no limit: ``error``."""
+    assembly, loads = refined(problem.assembly), problem.loads
+    if loads.axis is not None:
+        raise CapacityError(f"{error} without crushing; limit analysis: {most:.4g} degrees with it")
+    found = peak_of(_UpTo(solver_of(assembly, loads), BEYOND * most), loads.scale)
+    failures = Failures(found.first_failure_load, found.peak.load)
+    return StaticAnswer(
+        *(assembly, failures, found.path, found.mode),
+        given=failures,
+        mesh_errors=UNKNOWN,
+        counts=without_other_meshes(failures),
+    )
+
+
+class _UpTo:
+    """A ``solver`` that finds no equilibria above the load ``most`` (N)."""
+
+    def __init__(self, solver: Solver, most: float) -> None:
+        self.solver, self.most = solver, most
+        self.contact_law, self.start, self.lift = solver.contact_law, solver.start, solver.lift
+
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
+        if load > self.most:
+            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        return self.solver.solve(load, guess, state, thorough=thorough)
+
+
+def _told(problem: Problem, load: float) -> str:
+    return f"{four_digits(load)} {'N' if problem.loads.axis is None else 'degrees'}"
+
+
+def crushing_begins(assembly: Assembly, path: Sequence[Equilibrium]) -> tuple[float, str] | None:
+    """The load at which an interface is first at its compressive strength, and its name.
+
+    Between two equilibria of a ``path`` forces are linear. None if none is.
+    """
+    before: Equilibrium | None = None
+    for point in path:
+        if _most_used(assembly, point)[0] > 1.0:
+            found = point if before is None else _where_full(assembly, before, point)
+            return found.load, _most_used(assembly, found)[1]
+        before = point
+    return None
+
+
+def _where_full(assembly: Assembly, before: Equilibrium, after: Equilibrium) -> Equilibrium:
+    """The state between two equilibria in which the first interface is used in full."""
+
+    def left(part: float) -> float:
+        return 1.0 - min(_most_used(assembly, _between(before, after, part))[0], 2.0)
+
+    return _between(before, after, bisect(left, 0.0, 1.0, xtol=PRECISION))
+
+
+def _most_used(assembly: Assembly, point: Equilibrium) -> tuple[float, str]:
+    use = crushing_use(assembly, point.force[None, :, 0])
+    number = max(use, key=lambda face: float(use[face][0]))
+    return float(use[number][0]), assembly.faces[number].name
+
+
+def _between(before: Equilibrium, after: Equilibrium, part: float) -> Equilibrium:
+    """The state at a ``part`` of the way, whose forces are in equilibrium, and admissible."""
+    return replace(
+        before,
+        **{
+            name: getattr(before, name) + part * (getattr(after, name) - getattr(before, name))
+            for name in ("load", "unknowns", "displacement", "force")
+        },
+    )
+
+
+def _up_to(path: Sequence[Equilibrium], load: float) -> tuple[Equilibrium, ...]:
+    """The ``path`` up to a ``load`` that it reaches."""
+    for number, (before, after) in enumerate(pairwise(path), start=1):
+        if after.load >= load:
+            part = (load - before.load) / (after.load - before.load)
+            return (*path[:number], replace(_between(before, after, part), load=load))
+    return tuple(path)
+
+
+def _limit_load(problem: Problem, limit: LimitState | CapacityError | None) -> float:
+    """The load of limit analysis with crushing, or the angle where gravity turns.
+
+    `NoEquilibriumError` if they do not stand.
+    """
+    try:
+        if problem.loads.axis is not None:
+            return limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
+        if isinstance(limit, CapacityError):
+            raise limit
+        return (limit_state(*problem) if limit is None else limit).load
+    except InfeasibleError as error:
+        raise NoEquilibriumError(str(error)) from None
+
+
+def _at_most(failures: Failures, load: float) -> Failures:
+    return Failures(*np.minimum(failures, load).tolist())
+
+
+def _because(answer: StaticAnswer, words: str) -> StaticAnswer:
+    why = f"{answer.counts.why}; {words}"
+    return replace(answer, counts=replace(answer.counts, why=why))

@@ -11,15 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from sidmacib.answers.structure import CRUSHING, StaticAnswer, bond_fails
+from sidmacib.answers.structure_paths import CRUSHING, LOWER, StaticAnswer, bond_fails
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.problem import Counts, Failures
 from sidmacib.quantities import four_digits
 
 if TYPE_CHECKING:
     from sidmacib.mechanics.limit import LimitState
-
-LOWER = 1e-3  # of a load: by less, the two models agree
 
 
 @dataclass(frozen=True)

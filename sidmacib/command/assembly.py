@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from sidmacib.answers.structure import StaticAnswer
+from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all, verdict
 from sidmacib.command.answers import Row
 from sidmacib.command.output import say, text_of

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from sidmacib.answers.structure import StaticAnswer
+from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import cell, draw, in_asked_units, in_asked_words, write_text
 from sidmacib.drawing import write_figure

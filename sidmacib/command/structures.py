@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sidmacib.answers.structure import StaticAnswer, static_answer
+from sidmacib.answers.structure import static_answer
+from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY

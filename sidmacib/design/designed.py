@@ -16,7 +16,8 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from sidmacib.answers.structure import bond_fails, static_answer
+from sidmacib.answers.structure import static_answer
+from sidmacib.answers.structure_paths import bond_fails
 from sidmacib.design import Choice, Layout
 from sidmacib.design.blocking import Order, conflict, order_of
 from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of

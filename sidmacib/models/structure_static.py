@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from sidmacib.answers.structure import CRUSHING, StaticAnswer, bond_fails, static_answer
+from sidmacib.answers.structure import static_answer
+from sidmacib.answers.structure_paths import CRUSHING, StaticAnswer, bond_fails
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads
 from sidmacib.mechanics.equilibrium import motion_of
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
