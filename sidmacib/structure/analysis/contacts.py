@@ -21,7 +21,10 @@ from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.overlaps import Placed, candidates, overlap
 
 SAME = 1e-6  # of the assembly's length: planes no further apart coincide
-OVER = 1e-3  # of it: how far a vertex may hang over the edge of a side that still carries it
+# Of it, how far a vertex may hang over the edge of a side that still carries it: as one that turns
+# about where it was built may, as steps are finite, or as one that has slid.
+OVER, SLID = 1e-3, 1e-5
+MET = 1e-3  # of it: pieces that overlap by more have met
 LEAST_ANGLE = 1e-9  # rad: less is no turn
 
 
@@ -125,14 +128,15 @@ class Side:
     ) -> Iterator[tuple[Floats, float]]:
         """Place and gap (m) where vertices of an ``other`` side are on this one, or outlines cross.
 
-        A vertex may hang ``over`` the edge by so much (m).
+        A vertex that has not slid may hang ``over`` the edge by so much (m).
         """
         places = placed.at(other.piece, other.corners)
         seen = self.seen(placed, places)
+        slid = np.linalg.norm(seen - (other.corners - self.middle) @ self.axes.T, axis=1) > over
         vertices = shapely.points(seen[:, 1:])
-        near = shapely.distance(self.outline, vertices) <= over
+        near = shapely.distance(self.outline, vertices) <= np.where(slid, SLID / OVER * over, over)
         yield from zip(places[near], seen[near, 0].tolist(), strict=True)
-        both = shapely.union_all([*vertices, shapely.extract_unique_points(self.outline)])
+        both = shapely.union_all([*vertices[near], shapely.extract_unique_points(self.outline)])
         shared = shapely.Polygon(seen[:, 1:]).intersection(self.outline)
         corners = shapely.get_coordinates(shared)[:-1]
         for corner in corners[shapely.distance(both, shapely.points(corners)) > over]:
@@ -214,7 +218,7 @@ def meeting(assembly: Assembly, placed: Placement) -> tuple[str, str] | None:
         for solid in solids_of(piece)
         if solid.reentrant is None
     ]
-    over = OVER * assembly.length
+    over = MET * assembly.length
     for one, other in candidates(solids, over):
         apart = one.piece != other.piece and frozenset((one.piece, other.piece)) not in touching
         if apart and overlap(one, other, over) > over:
