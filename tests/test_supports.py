@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from command_runner import answers
-from structures import dry
+from structures import dry, example
 
 from sidmacib import InfeasibleError, greatest_reaction, least_reaction, support_path
+from sidmacib.engines.curve import yade_answer
 from sidmacib.mechanics.assembly import Assembly, Floats
-from sidmacib.structure.analysis.supports import static_reactions
+from sidmacib.structure.analysis.supports import static_reactions, support_answers
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import demands_of, structure_of
 from sidmacib.structure.loads import SupportMotion, free_weight, support_moves, support_turns
@@ -237,3 +238,52 @@ def test_a_faulty_support_is_named(support: dict[str, Any], fault: str) -> None:
     with pytest.raises(ValueError) as error:
         structure_of({**BEAM, "load": {"support": support}})
     assert str(error.value) == fault
+
+
+def beam(span: float, overlap: float, **of_right: float) -> dict[str, Any]:
+    """A beam that a support is drawn from, on which it lies by the ``overlap`` (m)."""
+    blocks = {
+        "left": {"low": [-0.3, 0, -0.5], "high": [0.2, 0.3, 0], "fixed": True},
+        "right": {"low": [span - overlap, 0, -0.5], "high": [span + 0.3, 0.3, 0], "fixed": True},
+        "beam": {"low": [-0.3, 0, 0], "high": [span, 0.3, 0.3]},
+    }
+    given = {"blocks": blocks, "interfaces": {"friction": 0.4}}
+    special = {"special": [{"between": ["right", "beam"], **of_right}]} if of_right else {}
+    return {**given, **special, "load": {"support": {"block": "right", "displacement": [1, 0, 0]}}}
+
+
+@pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.02), (1.5, 0.05), (2.0, 0.2), (6.0, 0.05)])
+def test_a_beam_falls_when_its_support_has_moved_by_the_overlap(
+    span: float, overlap: float
+) -> None:
+    path = support_path(*structure_of(beam(span, overlap, friction=0.1)))
+    assert path.movement[-1] == pytest.approx(overlap, rel=0.02)
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.05), (6.0, 0.05)])
+def test_a_beam_falls_in_yade_when_its_support_has_moved_by_the_overlap(
+    span: float, overlap: float
+) -> None:
+    found = yade_answer(structure_of(beam(span, overlap, friction=0.1)))
+    assert found.movement == pytest.approx(overlap, rel=0.04)
+
+
+def test_where_several_joints_slide_the_least_movement_is_told() -> None:
+    """Rigid blocks do not say which: each may lose its overlap of 0.5 and 0.2 m first."""
+    problem = structure_of(beam(2.0, 0.2))
+    found, _ = support_answers(*problem)
+    told = {each.answer: each for each in found}
+    assert told["kinematics, least"].movement == pytest.approx(0.2, rel=0.02)
+    assert told["kinematics"].movement > told["kinematics, least"].movement
+    assert "only right-beam slides" in told["kinematics, least"].note
+
+
+def test_a_settling_support_lets_a_beam_slide_off_the_pier() -> None:
+    """By hand, step by step: from 0.161 m on the beam slides over the pier, at 0.628 m off it.
+
+    With two contacts, the edge of the pier and the end of the beam, of which the one slides whose
+    friction is at its limit while that of the other is not.
+    """
+    path = support_path(*structure_of(example("settling")))
+    assert path.movement[-1] == pytest.approx(0.628, rel=0.03)

@@ -14,7 +14,7 @@ from .records import EngineOutcome
 # Over the mean size of pieces, how far a vertex may be outside a side: one that was built inside;
 # one beside bonds, or that was built at its edge, as a corner of both pieces; one that takes the
 # place of another.
-BEYOND_EDGE, BEYOND_CORNER, AT_EDGE = 0.002, 0.05, 0.0002
+BEYOND_EDGE, BEYOND_CORNER, AT_EDGE = 0.0002, 0.05, 0.0002
 MET = 0.01  # over that size: pieces that overlap by more have met
 LOOK = 0.005  # over that size: the motion from one look at the surroundings to the next
 PARALLEL = 1e-6  # sine of the angle of edges that have no normal in common
@@ -38,12 +38,12 @@ class Surroundings:
         """The same nodes, before any look."""
         return Surroundings(self.assembly, self.nodes, self.lost)
 
-    def look(self, motions: Sequence[PieceMotion]) -> list[int]:
+    def look(self, motions: Sequence[PieceMotion], *, at_rest: bool = False) -> list[int]:
         """Numbers of nodes that are lost or replaced since the last look.
 
-        That was long ago if a piece has moved far.
+        That was long ago if a piece has moved far, or, ``at_rest``, at all.
         """
-        least = LOOK * self.assembly.length_m
+        least = (AT_EDGE if at_rest else LOOK) * self.assembly.length_m
         if all(
             way(self.assembly, piece, self.looked[piece], motions[piece]) <= least
             for piece in range(len(motions))

@@ -300,7 +300,8 @@ class YadeModel:
         for _ in range(0, self.search.hold_steps, SLICE):
             if outcome := self._goes_on(fall):
                 return self._ended(end, outcome)
-            if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
+            rests = self.unbalanced_ratio(end) < self.search.unbalanced_ratio
+            if rests and not self._lost(self.motions(), at_rest=True):
                 return self._ended(end, EngineOutcome.EQUILIBRIUM)
         return self._ended(end, self.surroundings.at_last(fall, self.motions()))
 
@@ -323,9 +324,14 @@ class YadeModel:
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
         self.seen, motions = None, self.motions()
-        if changed := self.surroundings.look(motions):
-            self._change(changed, motions)
+        self._lost(motions)
         return motions
+
+    def _lost(self, motions: Sequence[PieceMotion], *, at_rest: bool = False) -> bool:
+        """Whether nodes have left the sides of pieces that are now there; they are lost."""
+        if changed := self.surroundings.look(motions, at_rest=at_rest):
+            self._change(changed, motions)
+        return bool(changed)
 
     def _change(self, nodes: Sequence[int], motions: Sequence[PieceMotion]) -> None:
         """Let nodes that are lost touch no more; others go on where they have gone."""
