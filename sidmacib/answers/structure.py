@@ -74,8 +74,8 @@ def bounded(problem: Problem, limit: LimitState | CapacityError | None) -> Stati
         answer = unbounded_answer(problem, most)
     if not most < (1.0 - LOWER) * answer.load:
         return answer
-    why = f"limit analysis is lower; the static model alone: {_told(problem, answer.load)}"
-    return _limited(problem, answer, most, why)
+    alone = f"limit analysis is below the static model alone, {_told(problem, answer.load)}"
+    return _limited(problem, answer, most, f"{answer.counts.why}; {alone}")
 
 
 def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:

@@ -79,7 +79,7 @@ def find_first_failure(
             continue
         engine.stop()
         if before is None:
-            raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
+            raise NoAnswerError("it does not stand under its permanent loads")
         record(history, state, "overstressed")
         failing = at_strength(assembly, before, state)
         forces = record(history, failing, EngineOutcome.EQUILIBRIUM.value)

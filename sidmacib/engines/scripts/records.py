@@ -147,7 +147,7 @@ def require_standing(outcome: EngineOutcome, met: str | None) -> None:
     """Exit with the reason if the assembly does not stand without the load."""
     require_contacts(outcome, "0 N", met)
     if outcome is not EngineOutcome.EQUILIBRIUM:
-        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
+        raise NoAnswerError("it does not stand under its permanent loads")
 
 
 def failure_mode(outcome: EngineOutcome, breaks: bool, load: str, met: str | None) -> str:

@@ -256,14 +256,24 @@ def support_answers(
     if greatest:
         joints = joints_in_words(greatest.hinges, greatest.slides)
         pushed = f"the support is pushed back; {joints}"
-    last = float(path.reaction[-1]), float(path.movement[-1])
+    last = _clean(path.reaction[-1], loads), float(path.movement[-1])
     return [
         *_static(assembly, loads, least.size),
-        SupportAnswer("limit, least", least.size, None, yields),
-        SupportAnswer("limit, greatest", greatest.size if greatest else None, None, pushed),
+        SupportAnswer("limit, least", _clean(least.size, loads), None, yields),
+        SupportAnswer(
+            "limit, greatest",
+            None if greatest is None else _clean(greatest.size, loads),
+            None,
+            pushed,
+        ),
         SupportAnswer("kinematics", *last, _end(path)),
         *_one_slides(assembly, loads, least.slides, last[1]),
     ], path
+
+
+def _clean(reaction: float, loads: SupportMotion) -> float:
+    """A ``reaction`` without what rounding leaves of none."""
+    return float(reaction) if abs(reaction) > PRESSED * loads.scale else 0.0
 
 
 def _one_slides(
@@ -301,9 +311,9 @@ def _static(assembly: Assembly, loads: SupportMotion, least: float) -> Iterator[
         yield SupportAnswer("static", None, None, " ".join(str(error).split()))
         return
     at_rest = "elastic joints; small displacements"
-    yield SupportAnswer("static, at rest", found.rest, 0.0, at_rest)
+    yield SupportAnswer("static, at rest", _clean(found.rest, loads), 0.0, at_rest)
     reached = "has dropped to" if found.dropped(least) else "is followed to"
-    last = float(found.reaction[-1]), float(found.movement[-1])
+    last = _clean(found.reaction[-1], loads), float(found.movement[-1])
     yield SupportAnswer("static, yields", *last, f"the reaction {reached} this")
 
 
