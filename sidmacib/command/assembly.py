@@ -92,10 +92,10 @@ def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
         click.echo(f"Note: {line}", err=True)
     if wanted.case is not None:
         demands = (chosen_case(demands, wanted.case),)
-    elif demands[0].case is not None or not demands[0].raises:
-        if demands[0].raises:
-            return _of_cases(file, description, demands, notes, wanted)
+    elif not demands[0].raises:
         return _of_reserve(file, description, demands[0], notes, wanted)
+    elif demands[0].case is not None:
+        return _of_cases(file, description, demands, notes, wanted)
     if isinstance(demands[0].problem.loads, SupportMotion):
         return _of_support(file, demands[0], wanted)
     return _of_load(file, description, demands[0], notes, wanted)
