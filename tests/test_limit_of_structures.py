@@ -108,6 +108,7 @@ def test_a_wedge_that_only_dilation_holds_up_is_told_that_it_falls() -> None:
         sliding_limit(*read_structure(path))
     rows = {str(row["model"]): row for row in answers("assembly", str(path))}
     assert float(str(rows["limit"]["load (N)"])) > 0.0
+    assert str(rows["limit"]["note"]).endswith(f"; static model: {FALLS.replace('The', 'the')}")
     assert rows["static"]["note"] == FALLS
     assert all(float(str(row["load (N)"] or 0.0)) >= 0.0 for row in rows.values())
 

@@ -9,10 +9,11 @@ import click
 
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import StaticAnswer
+from sidmacib.answers.verdict import lower_first
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
@@ -134,7 +135,11 @@ def structure_rows(
     With factors where a load is to be carried. ``limit`` and ``static``: by `limit_of` and
     `static_of`.
     """
-    of_limit = _limit_tilt(demand) if limit is None else _limits(demand, limit, tell)
+    of_limit = [*(_limit_tilt(demand) if limit is None else _limits(demand, limit, tell))]
+    if isinstance(static, NoEquilibriumError):
+        for row in of_limit:
+            if row.get("load (N)", row.get("tilt (degrees)")) is not None:
+                row["note"] += f"; static model: {lower_first(str(static))}"
     return [*of_limit, _static(demand, static)]
 
 
