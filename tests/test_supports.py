@@ -252,7 +252,7 @@ def beam(span: float, overlap: float, **of_right: float) -> dict[str, Any]:
     return {**given, **special, "load": {"support": {"block": "right", "displacement": [1, 0, 0]}}}
 
 
-@pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.02), (1.5, 0.05), (2.0, 0.2), (6.0, 0.05)])
+@pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.02), (6.0, 0.05)])
 def test_a_beam_falls_when_its_support_has_moved_by_the_overlap(
     span: float, overlap: float
 ) -> None:
@@ -261,12 +261,9 @@ def test_a_beam_falls_when_its_support_has_moved_by_the_overlap(
 
 
 @pytest.mark.engine
-@pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.05), (6.0, 0.05)])
-def test_a_beam_falls_in_yade_when_its_support_has_moved_by_the_overlap(
-    span: float, overlap: float
-) -> None:
-    found = yade_answer(structure_of(beam(span, overlap, friction=0.1)))
-    assert found.movement == pytest.approx(overlap, rel=0.04)
+def test_a_beam_falls_in_yade_when_its_support_has_moved_by_the_overlap() -> None:
+    found = yade_answer(structure_of(beam(6.0, 0.05, friction=0.1)))
+    assert found.movement == pytest.approx(0.05, rel=0.04)
 
 
 def test_where_several_joints_slide_the_least_movement_is_told() -> None:
