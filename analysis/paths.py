@@ -15,6 +15,7 @@ from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.equilibrium import motion_of
 from sidmacib.mechanics.solution import Equilibrium, StaticSolution
 from sidmacib.mechanics.static.peaks import after_peak, lowest_peak
 from sidmacib.models import REFERENCE_MODEL
@@ -57,11 +58,9 @@ def behind(
 
 def displacements(assembly: Assembly, point: Equilibrium) -> Floats:
     """Displacement (m) and rotation of each piece, shape (P, 6); none of fixed or elastic ones."""
-    moved = np.zeros((len(assembly.pieces), 6))
-    if not assembly.elastic:
-        free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
-        moved[free] = point.unknowns.reshape(len(free), 6)
-    return moved
+    if assembly.elastic:
+        return np.zeros((len(assembly.pieces), 6))
+    return motion_of(assembly, point.unknowns)
 
 
 def shown_cases(cases: Iterable[JointCase]) -> list[JointCase]:

@@ -235,15 +235,15 @@ def _opened(path: Path) -> OpenedFile:
     demand, name, notes = demands[0], path.name, []
     if not demand.raises:
         raise ValueError("load: missing; none is for multilock assembly only")
-    if demand.case is not None:
-        rows, words, _ = case_rows(demands)
-        demand = demands[[row["governs"] for row in rows].index("yes")]
-        name, notes = f"{path.name} --case {shlex.quote(str(demand.case))}", [f"{words}."]
-    problem = demand.problem
-    if isinstance(problem.loads, SupportMotion):
+    if isinstance(demand.problem.loads, SupportMotion):
         raise ValueError("load.support: is for multilock assembly only; use another load here")
-    limit = limit_of(problem)
-    static = static_of(problem, limit)
+    limit: LimitState | CapacityError | None
+    if demand.case is None:
+        limit = limit_of(demand.problem)
+        static = static_of(demand.problem, limit)
+    else:
+        _, words, _, (demand, limit, static) = case_rows(demands)
+        name, notes = f"{path.name} --case {shlex.quote(str(demand.case))}", [f"{words}."]
     answer = StructureAnswer.of(path, description, demand, limit, static, notes)
     return OpenedFile(name, answer)
 

@@ -23,6 +23,7 @@ from sidmacib.answers.structure_paths import (
     LOWER,
     SMALL,
     StaticAnswer,
+    told,
     unbounded_answer,
     without_other_meshes,
 )
@@ -34,7 +35,6 @@ from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.solution import Equilibrium, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
-from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.limit import (
     limit_mesh_error,
     limit_state,
@@ -74,7 +74,7 @@ def bounded(problem: Problem, limit: LimitState | CapacityError | None) -> Stati
         answer = unbounded_answer(problem, most)
     if not most < (1.0 - LOWER) * answer.load:
         return answer
-    alone = f"limit analysis is below the static model alone, {_told(problem, answer.load)}"
+    alone = f"limit analysis is below the static model alone, {told(problem.loads, answer.load)}"
     return _limited(problem, answer, most, f"{answer.counts.why}; {alone}")
 
 
@@ -110,10 +110,10 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
     except UnboundedError:
         most = math.inf
     load, place = begins
-    words = f"{place} is at its compressive strength from {_told(problem, load)} on"
+    words = f"{place} is at its compressive strength from {told(problem.loads, load)} on"
     if most >= answer.load:
         return _because(answer, words)
-    more = "any load" if unlimited else _told(problem, answer.load)
+    more = "any load" if unlimited else told(problem.loads, answer.load)
     why = f"limited by crushing in limit analysis; {words}; without crushing {more}"
     limited = _limited(problem, answer, most, why)
     return replace(limited, given=_at_most(answer.given, most), mode=CRUSHING, mechanism=None)
@@ -158,10 +158,6 @@ class _UpTo:
         if load > self.most:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         return self.solver.solve(load, guess, state, thorough=thorough)
-
-
-def _told(problem: Problem, load: float) -> str:
-    return f"{four_digits(load)} {'N' if problem.loads.axis is None else 'degrees'}"
 
 
 def crushing_begins(assembly: Assembly, path: Sequence[Equilibrium]) -> tuple[float, str] | None:

@@ -82,6 +82,11 @@ def counting(failures: Failures, counts: Counts) -> float:
     return failures.peak if counts.peak else failures.first
 
 
+def told(loads: Loads, load: float) -> str:
+    """A ``load`` with its unit: an angle where gravity turns."""
+    return f"{four_digits(load)} {'N' if loads.axis is None else 'degrees'}"
+
+
 def without_other_meshes(failures: Failures) -> Counts:
     """What counts of ``failures`` that no other mesh confirms."""
     if bond_fails(failures):
@@ -184,8 +189,7 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> Foll
     except UnsettledError as error:
         if error.load is None:
             raise
-        unit = "N" if loads.axis is None else "degrees"
-        up_to = f"there is equilibrium up to {four_digits(error.load)} {unit}"
+        up_to = f"there is equilibrium up to {told(loads, error.load)}"
         raise UnsettledError(f"{error}; {up_to}") from None
     failures = Failures(float(found.first_failure_load), float(found.peak.load))
     spread = found.spread if lowest else None

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
@@ -113,14 +113,11 @@ def _of_cases(
     """The verdict on all load cases; the one that governs is drawn and noted."""
     others = "interfaces", "compas", "capacity_curve"
     wanted.refuse("needs --case, as the file has load_cases", *others)
-    rows, words, passes = case_rows(demands)
+    rows, words, passes, (demand, limit, static) = case_rows(demands)
     say(words, wanted.form)
     click.echo(text_of(rows, wanted.form))
     if wanted.draws:
-        (problem,) = (d.problem for d, row in zip(demands, rows, strict=True) if row["governs"])
-        limit = limit_of(problem)
-        static = static_of(problem, limit)
-        _draw(wanted, rows, file, description, problem, limit, static, notes, words)
+        _draw(wanted, rows, file, description, demand.problem, limit, static, notes, words)
     return None, passes
 
 
@@ -208,14 +205,27 @@ def demanded_rows(
     return rows, verdict(demand.newtons, static, limit)
 
 
-def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
-    """One row for each load case, the verdict on all of them, and whether all are carried."""
-    found = []
+class Solved(NamedTuple):
+    """What limit analysis and the static model answer for a ``demand``."""
+
+    demand: Demand
+    limit: LimitState | CapacityError
+    static: StaticAnswer | CapacityError
+
+
+def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool, Solved]:
+    """One row for each load case, the verdict on all of them, and whether all are carried.
+
+    And the case that governs.
+    """
+    solved, found = [], []
     for demand in demands:
         assert demand.newtons is not None, "a load case says what is to be carried"
         limit = limit_of(demand.problem)
         assert limit is not None, "no load case tilts a structure"
-        found.append(verdict(demand.newtons, static_of(demand.problem, limit), limit))
+        static = static_of(demand.problem, limit)
+        solved.append(Solved(demand, limit, static))
+        found.append(verdict(demand.newtons, static, limit))
     first = governing(found)
     rows: list[Row] = [
         {
@@ -232,7 +242,7 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
         for number, (demand, each) in enumerate(zip(demands, found, strict=True))
     ]
     words = on_all([str(demand.case) for demand in demands], found)
-    return rows, words, all(each.passes for each in found)
+    return rows, words, all(each.passes for each in found), solved[first]
 
 
 def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
