@@ -80,7 +80,7 @@ def test_a_peak_without_broken_bonds_counts() -> None:
 
 
 GROUND = {"low": [-3, -3, -0.3], "high": [5, 5, 0], "fixed": True}
-TWISTED = {  # meshes of 1, 2 and 4 cells give one load, and one of 24 cells a lower one
+TWISTED = {  # the load hardly changes from one cell to two, and is lower on 24
     "force": {  # rocks about a corner; by 7 % lower
         "blocks": {
             "ground": GROUND,

@@ -1,9 +1,8 @@
 """Whether a structure carries a load, and by what factor.
 
-The lower decides of the load that counts in the static model and of limit analysis: the static
-model may overestimate on coarse cells. Where it has no answer limit analysis decides alone, which
-may overestimate too, and the words say so. Both models may be asked here, or have been asked by a
-study.
+The lower decides of the load that counts in the static model and of limit analysis. Where the
+static model has no answer limit analysis decides alone, which may overestimate, and the words say
+so. Both models may be asked here, or have been asked by a study.
 """
 
 import math

@@ -46,7 +46,7 @@ def clearance_note(rows: Iterable[LockRow], sides: float) -> str:
         return ""
     return (
         f"the clearance takes {100.0 * share:.2g} % of the width of the narrowest lock; "
-        "analyses have none: reduce cohesion and tensile strength in them by as much"
+        "analyses leave it out: reduce their cohesion and tensile strength by as much"
     )
 
 

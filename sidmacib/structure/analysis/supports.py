@@ -300,7 +300,7 @@ def _one_slides(
             found.append((float(path.movement[-1]), float(path.reaction[-1]), name))
     if found:
         least, reaction, name = min(found)
-        note = f"only {name} slides: rigid joints do not say which does; elastic ones do, in YADE"
+        note = f"if only {name} slides: rigid blocks do not determine which joint does"
         yield SupportAnswer("kinematics, least", reaction, least, note)
 
 
