@@ -98,8 +98,10 @@ def _size_of(text: str, spelled: str, unit: str) -> float:
     if wanted and spelled in wanted.units:
         return wanted.units[spelled]
     allowed = f"{wanted.name}, such as {wanted.example}" if wanted else "a number without a unit"
-    if spelled in _OF:
-        raise ValueError(f"{text} is {_OF[spelled].name}; it must be {allowed}")
+    if (of := _OF.get(spelled)) is not None:
+        friction = " (friction is the tangent of its angle)"
+        hint = friction if wanted is None and of.unit == "degrees" else ""
+        raise ValueError(f"{text} is {of.name}; it must be {allowed}{hint}")
     units = f" ({', '.join(wanted.units)})" if wanted else ""
     raise ValueError(f"{text} is in an unknown unit, {spelled}; it must be {allowed}{units}")
 

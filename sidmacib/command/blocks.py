@@ -43,13 +43,12 @@ GAP = Number(at_least=0, unit="m")
     "--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'."
 )
 @click.option("--fixed-below", help="Height that blocks reach below which cannot move: 0.5m.")
-@click.option("--friction", type=float, help="Coefficient of friction of all interfaces.")
-@click.option("--density", type=float, help="In kg/m3, of blocks whose material has none.")
+@click.option("--friction", help="Coefficient of friction of all interfaces.")
+@click.option("--density", help="In kg/m3, of blocks whose material has none.")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
 @click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
 @click.option(
     "--tolerance",
-    type=float,
     help="Largest gap of faces that touch, over the size of a block: 0.006.",
 )
 @click.option("--case", help="Answer in full for one of the file's load cases.")

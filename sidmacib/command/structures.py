@@ -44,8 +44,8 @@ Tell = Callable[[str], object]
 def added_keys(
     *,
     fixed: str | None,
-    friction: float | None,
-    tolerance: float | None,
+    friction: str | None,
+    tolerance: str | None,
     from_file: bool,
     **of_blocks: object,
 ) -> dict[str, Any]:
