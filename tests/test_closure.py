@@ -42,7 +42,7 @@ print("\\n".join(sorted(name for name in opened if name.startswith(root + "/")))
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A project of five modules."""
     monkeypatch.setattr(module, "ROOT", tmp_path)
-    for name in ("_imports", "_text", "_tree", "_tree_digest", "closure", "source"):
+    for name in ("_imports", "_functions", "_code_digest", "closure", "source"):
         monkeypatch.setattr(module, name, getattr(module, name).__wrapped__)
     (tmp_path / "workflow").mkdir()
     for name, text in {
@@ -51,7 +51,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "b": "def f():\n    from . import c\n",
         "c": "import numpy",
         "e": 'm = importlib.import_module("workflow.c").x',
-        "d": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import workflow.c\n",
+        "d": "import numpy",
     }.items():
         (tmp_path / f"workflow/{name}.py").write_text(text)
     return tmp_path
@@ -70,15 +70,27 @@ def test_the_static_model_depends_on_what_it_imports_where_it_is_needed() -> Non
     assert "sidmacib.mechanics.limit" in closure("sidmacib.models.structure_static")
 
 
-def test_imports_for_type_checkers_do_not_count(project: Path) -> None:
-    assert module.closure("workflow.d") == {"workflow", "workflow.d"}
-
-
 def test_an_edit_changes_the_digest_of_what_runs_it_and_of_nothing_else(project: Path) -> None:
     before = {name: module.code_digest([f"workflow.{name}"]) for name in "abcd"}
     (project / "workflow/c.py").write_text("import numpy\nx = 1")
     changed = {name for name in "abcd" if module.code_digest([f"workflow.{name}"]) != before[name]}
     assert changed == {"a", "b", "c"}
+
+
+def test_a_comment_an_empty_line_and_the_order_of_a_set_do_not_change_the_digest(
+    project: Path,
+) -> None:
+    text = 'def f(x):\n    return x in {"one", "two", "three"}'
+    digests = set()
+    for lines in (text, f"# why\n\n{text}  # what for\n"):
+        (project / "workflow/c.py").write_text(lines)
+        for seed in "12":
+            code = "import workflow.step as s; print(s.code_digest(['workflow.c']))"
+            place = f"import pathlib, sys; sys.path.insert(0, {str(ROOT)!r})"
+            root = f"s.ROOT = pathlib.Path({str(project)!r})"
+            asked = f"{place}; {code.replace('; ', f'; {root}; ', 1)}"
+            digests.add(python("-c", asked, check=True, PYTHONHASHSEED=seed).stdout)
+    assert len(digests) == 1
 
 
 def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -> None:

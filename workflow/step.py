@@ -1,28 +1,31 @@
 """A step of a study: what the script of a rule does around its work, and the code that it runs.
 
 That code is the modules of this project that the script imports, directly or not. Imports are read
-from the source, including those inside functions and `importlib.import_module` of a name, so
-nothing is listed by hand. A module counts by its syntax tree: comments and layout do not matter.
+from the compiled code, including those inside functions and `importlib.import_module` of a name, so
+nothing is listed by hand. A module counts by its compiled code, which Python keeps: comments and
+layout do not matter, and another version of Python runs everything again.
 """
 
-import ast
 import ctypes
 import hashlib
 import os
-import re
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
+from importlib.machinery import SourceFileLoader
 from importlib.util import resolve_name
+from modulefinder import ModuleFinder
+from opcode import opmap
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import __main__
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("sidmacib", "workflow", "analysis", "studies")
-BY_NAME = re.compile(r'import_module\("([\w.]+)"\)')
+IMPORT = opmap["IMPORT_NAME"]
 PR_SET_PDEATHSIG = 1
 
 Arguments = Mapping[str, Any]
@@ -88,7 +91,7 @@ def closure(module: str) -> frozenset[str]:
 def code_digest(modules: Iterable[str], files: Iterable[str] = ()) -> str:
     """Digest of all code that ``modules`` may run, and of ``files``, paths below `ROOT`."""
     names = sorted(set().union(*map(closure, modules)))
-    parts = [f"{name} {_tree_digest(name)}" for name in names]
+    parts = [f"{name} {_code_digest(name)}" for name in names]
     parts += [f"{name} {_digest((ROOT / name).read_bytes())}" for name in sorted(files)]
     return _digest("\n".join(parts).encode())
 
@@ -114,43 +117,51 @@ def _imports(module: str) -> tuple[str, ...]:
     names: list[str] = []
     is_package = str(source(module)).endswith("__init__.py")
     package = module if is_package else module.rpartition(".")[0]
-    for node in _statements(_tree(module)):
-        if isinstance(node, ast.Import):
-            names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = resolve_name("." * node.level + (node.module or ""), package)
-            names.append(base)
-            # A name imported from a package may be one of its modules.
-            names += [f"{base}.{alias.name}" for alias in node.names]
-    names += BY_NAME.findall(_text(module))
+    for code in _functions(module):
+        if "import_module" in code.co_names:
+            names += [text for text in code.co_consts if isinstance(text, str)]
+        if IMPORT not in code.co_code[::2]:
+            continue
+        for what, found in ModuleFinder().scan_opcodes(code):
+            if what != "store":
+                *level, imported, base = found
+                base = resolve_name("." * sum(level) + base, package)
+                # A name imported from a package may be one of its modules.
+                names += [base, *(f"{base}.{name}" for name in imported or ())]
     return tuple(name for name in dict.fromkeys(names) if source(name))
 
 
-def _statements(node: ast.AST) -> Iterator[ast.AST]:
-    """All statements below ``node``, except those for type checkers only."""
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.expr):  # no import is in there, and most nodes are
-            continue
-        if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
-            yield child
-            yield from _statements(child)
-
-
 @cache
-def _tree(module: str) -> ast.Module:
-    return ast.parse(_text(module), str(source(module)))
-
-
-@cache
-def _text(module: str) -> str:
+def _functions(module: str) -> tuple[CodeType, ...]:
+    """The code of a module and of all its functions, compiled, as Python keeps it for imports."""
     path = source(module)
     assert path is not None, f"{module}: not a module of this project"
-    return path.read_text(encoding="utf-8")
+    whole = SourceFileLoader(module, str(path)).get_code(module)
+    return tuple(_nested(whole)) if whole else ()
+
+
+def _nested(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _nested(constant)
 
 
 @cache
-def _tree_digest(module: str) -> str:
-    return _digest(ast.dump(_tree(module)).encode())
+def _code_digest(module: str) -> str:
+    return _digest(repr([list(map(_text, _functions(module)))]).encode())
+
+
+def _text(code: CodeType) -> tuple[object, ...]:
+    """What the code of a function does, without its place in the file."""
+    constants = [
+        # Sets have another order in each process.
+        sorted(map(repr, value)) if isinstance(value, frozenset) else repr(value)
+        for value in code.co_consts
+        if not isinstance(value, CodeType)
+    ]
+    names = code.co_names, code.co_varnames, code.co_cellvars, code.co_freevars
+    return code.co_name, code.co_flags, code.co_code, code.co_exceptiontable, names, constants
 
 
 def _digest(content: bytes) -> str:
