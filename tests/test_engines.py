@@ -130,7 +130,7 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
     assembly = block_on_ground(Joint(3), Kind.INNER, mesh=0.03)
     loads = load_on_block(assembly, (0.0, 1.0, 0.0), 0.0)
     with pytest.raises(
-        EngineError, match=r"diverged|does not stand|LIGGGHTS ended before its commands were done"
+        EngineError, match=r"diverged|try a smaller time_step_ratio|LIGGGHTS ended before its"
     ):
         run_guided(engine, Problem(assembly, loads), numerics, tmp_path, 120)
     assert not (tmp_path / "result.json").exists()

@@ -107,7 +107,7 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     outcome = model.raised(0.0, 0.0, (0.0, 1.0))
-    require_standing(outcome, model.met)
+    require_standing(outcome, model.met, search.guide)
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_failure_N if guide else 0.0
     bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)

@@ -115,7 +115,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
     the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
     outcome = model.raised(0.0)
-    require_standing(outcome, model.met)
+    require_standing(outcome, model.met, search.guide)
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_failure_N if search.guide else 0.0
     increment = HALF * expected or first

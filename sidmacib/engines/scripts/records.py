@@ -10,7 +10,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from .assembly import GivenAssembly, Vector
+from .assembly import GivenAssembly, Guide, Vector
 
 Row = dict[str, Any]
 HISTORY, NODES, RESULT = "history.csv", "nodes.csv", "result.json"
@@ -143,11 +143,15 @@ def require_contacts(outcome: EngineOutcome | None, load: str, met: str | None) 
         raise NoAnswerError(f"no peak: at {load} {met}, and contacts there are not modelled")
 
 
-def require_standing(outcome: EngineOutcome, met: str | None) -> None:
-    """Exit with the reason if the assembly does not stand without the load."""
+def require_standing(outcome: EngineOutcome, met: str | None, guide: Guide | None) -> None:
+    """Exit with the reason if the assembly does not stand without the load.
+
+    ``guide``: of the static model, in which it then does.
+    """
     require_contacts(outcome, "0 N", met)
     if outcome is not EngineOutcome.EQUILIBRIUM:
-        raise NoAnswerError("it does not stand under its permanent loads")
+        hint = ", but does in the static model: try a smaller time_step_ratio" if guide else ""
+        raise NoAnswerError(f"it does not stand under its permanent loads{hint}")
 
 
 def failure_mode(outcome: EngineOutcome, breaks: bool, load: str, met: str | None) -> str:

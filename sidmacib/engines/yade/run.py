@@ -37,7 +37,7 @@ def find_curve(
     """
     history = History(assembly)
     model = YadeModel(assembly, search, settings, history)
-    require_standing(model.raised(0.0, 0.0, (0.0, 1.0)), model.met)
+    require_standing(model.raised(0.0, 0.0, (0.0, 1.0)), model.met, search.guide)
     history.rows.clear()
     stiffness = assembly.permanent_N / (YIELDS * assembly.length_m)
     peak = EnginePeak(0.0, 0.0, None, MECHANISM, model.node_forces())
