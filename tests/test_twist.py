@@ -1,6 +1,7 @@
 """The torque that dry faces carry: that of a linear pressure, not of pressure in their corners."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,9 +9,10 @@ import shapely
 from structures import dry
 
 from sidmacib import NodeLayout, static_peak
+from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import Limited
-from sidmacib.mechanics.limit import limit_load, solved
+from sidmacib.mechanics.limit import limit_load, require_standing, solved
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.twist import Pressure, linear_pressure
@@ -134,3 +136,45 @@ def test_forces_obey_coulomb_and_carry_the_load_of_a_face_that_is_twisted() -> N
     assert (shear - 0.6 * found.force[:, 0]).max() <= 1e-5 * found.force[:, 0].max()
     carried = found.force[:, 1:].sum(axis=0) @ problem.assembly.faces[0].axes[1:]
     assert carried == pytest.approx([0.0, -found.load, 0.0], abs=1e-4 * found.load)
+
+
+def turned_cap(torque: float, push: tuple[float, ...]) -> Problem:
+    """A block that fits its pier, under a permanent ``torque`` (N m) about z, and a ``push``.
+
+    ``push``: force (N) and moment (N m) at its centroid per newton of the load.
+    """
+    model = structure([PIER, box("cap", (0.0, 0.0, 0.0), (SIDE, SIDE, 0.2), 2e3)], dry(0.6))
+    loads = force_at(model, "cap", (SIDE / 2, SIDE / 2, 0.2), (0.0, 0.0, -1.0))
+    permanent, variable = loads.permanent.copy(), np.zeros_like(loads.permanent)
+    permanent[1, 5], variable[1] = torque, push
+    return Problem(model, replace(loads, permanent=permanent, variable=variable))
+
+
+HELD = 0.6 * 0.2 * SIDE**2 * 2e3 * 9.81 * SQUARE * SIDE  # N m, by friction of the cap's weight
+
+
+@pytest.mark.parametrize("share", [0.98, -0.98, 1.02, -1.02, 1.5])
+def test_a_block_stands_under_a_permanent_torque_that_its_friction_resists(share: float) -> None:
+    problem = turned_cap(share * HELD, (0.0, 0.0, -1.0, 0.0, 0.0, 0.0))
+    if abs(share) < 1.0:
+        require_standing(*problem, friction=True)
+        with pytest.raises(UnboundedError):
+            limit_load(*problem, friction=True)
+    else:
+        with pytest.raises(InfeasibleError, match="does not stand"):
+            require_standing(*problem, friction=True)
+
+
+@pytest.mark.parametrize(("lever", "limited"), [(0.06, False), (0.08, True), (0.12, True)])
+def test_a_load_that_presses_and_turns_is_limited_by_its_torque(
+    lever: float, limited: bool
+) -> None:
+    # In the corners alone friction would resist 0.6 * 0.212 N m per newton that presses.
+    problem = turned_cap(0.0, (0.0, 0.0, -1.0, 0.0, 0.0, lever))
+    if not limited:
+        with pytest.raises(UnboundedError):
+            limit_load(*problem, friction=True)
+        return
+    found = limit_load(*problem, friction=True)
+    assert found.load == pytest.approx(HELD / (lever - 0.6 * SQUARE * SIDE), rel=5e-3)
+    assert found.untwisted == math.inf

@@ -169,7 +169,8 @@ def _torque(limit: LimitState) -> str:
     """That torque limits the load, in words, and the load without that limit."""
     if limit.untwisted is None:
         return ""
-    return f"limited by the torque of interfaces ({four_digits(limit.untwisted)} N without)"
+    others = "no limit" if math.isinf(limit.untwisted) else f"{four_digits(limit.untwisted)} N"
+    return f"limited by the torque of interfaces ({others} without)"
 
 
 def _limits(demand: Demand, limit: LimitState | CapacityError, tell: Tell) -> Iterator[Row]:
@@ -305,6 +306,8 @@ def support_rows(problem: Problem, yade: bool) -> tuple[list[Row], list[Row]]:
         }
         for each in answers
     ]
+    if isinstance(path, CapacityError):
+        return rows, []
     curve: list[Row] = [
         {moved: unit * movement, what: reaction}
         for movement, reaction in zip(path.movement.tolist(), path.reaction.tolist(), strict=True)
@@ -315,8 +318,10 @@ def support_rows(problem: Problem, yade: bool) -> tuple[list[Row], list[Row]]:
 def write_curve(rows: Sequence[Row], title: str, curve: Path | None, picture: Path | None) -> None:
     """Write ``rows`` into the file ``curve``, in CSV, and draw them into ``picture``.
 
-    `click.UsageError` for a file that cannot be written.
+    `click.UsageError` for a file that cannot be written, and for no rows.
     """
+    if not rows and (curve or picture):
+        raise click.UsageError("no curve to write or draw: see the row kinematics")
     if curve is not None:
         write_text(text_of(rows, "csv") + "\n", curve, "--capacity-curve")
     if picture is not None:

@@ -211,7 +211,7 @@ def naming_permanent(loads: Loads) -> Iterator[None]:
     try:
         yield
     except CapacityError as error:
-        if getattr(loads, "beside", None) is None:
+        if getattr(loads, "beside", None) is None or ALL in str(error):
             raise
         raise type(error)(str(error).replace(OWN, ALL)) from None
 

@@ -32,6 +32,7 @@ from sidmacib.errors import CapacityError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement, meeting
 from sidmacib.structure.loads import PointForce, StructureLoads, SupportMotion
@@ -43,6 +44,7 @@ FAR = 300.0  # steps: contacts that are further open are left out
 ACCURACIES = 1e-9, 1e-7, 1e-5
 MOTION_DIGITS = 9
 PRESSED = 1e-6  # of the weight: least force of an interface that counts
+TWISTED = 0.01  # of the driving force at the start: less by limits of torque counts as none
 STILL = 0.02  # of the largest relative motion: less counts as none
 WHAT = "finite displacements"
 FALL, WEDGE, MEET, REACHED, FURTHER = "fall", "wedge", "meet", "reached", "further"
@@ -147,12 +149,28 @@ class Kinematics:
         """Where the blocks were built; errors of `position`."""
         return self.position(Placement.of(self.assembly), 0.0, 1.0)
 
+    def limit(self) -> LimitState:
+        """The limit state at the start: torque of faces is limited. Errors of `limit_load`.
+
+        `InfeasibleError` if the blocks do not stand.
+        """
+        loads, driven = self.loads, None
+        if isinstance(loads, SupportMotion):
+            driven = np.zeros_like(loads.permanent)
+            driven[loads.support] = loads.motion(self.assembly.pieces[loads.support].centre)
+            loads = Loads(loads.permanent, loads.variable, loads.scale)
+        require_standing(self.assembly, loads, friction=True)
+        return limit_load(self.assembly, loads, friction=True, driven=driven)
+
     def path(self, reached: Callable[[Position], bool]) -> Path:
         """Positions from the start until one has ``reached`` what is sought, which is the last.
 
-        Errors of `start`.
+        Errors of `start` and `limit`; `CapacityError` where the torque of faces decides there.
         """
         found: list[Position] = [self.start()]
+        limit = self.limit()
+        if limit.untwisted is not None and limit.load < limit.untwisted - TWISTED * abs(limit.load):
+            raise CapacityError(f"{WHAT}: blocks that twist on their faces are not followed")
         failed: list[CapacityError] = []
         step = first = self.step(found[0].motion)
         while not reached(found[-1]):

@@ -41,7 +41,7 @@ from sidmacib.structure.analysis.kinematics import (
     Position,
 )
 from sidmacib.structure.blocks import Block, Compound
-from sidmacib.structure.loads import SupportMotion
+from sidmacib.structure.loads import SupportMotion, naming_permanent
 
 MOST_JOINTS = 6  # names in a note
 # Of the static model.
@@ -113,7 +113,10 @@ def _reaction(assembly: Assembly, loads: SupportMotion, sign: float) -> Reaction
         start = kinematics.start()
     except InfeasibleError:
         raise InfeasibleError(DOES_NOT_STAND) from None
-    return Reaction(sign * start.load + 0.0, start.motion, *kinematics.moving(start))
+    limit = kinematics.limit()
+    twisted = limit.untwisted is not None
+    size = sign * (limit.load if twisted else start.load) + 0.0
+    return Reaction(size, start.motion, *kinematics.moving(start))
 
 
 def support_path(assembly: Assembly, loads: SupportMotion) -> SupportPath:
@@ -194,9 +197,13 @@ def _on_spring(assembly: Assembly, loads: SupportMotion) -> tuple[Assembly, Load
     """The assembly with its support on a spring to ground, and the force per movement."""
     support = assembly.pieces[loads.support]
     assert isinstance(support, Block | Compound)
-    laws = [face.material for face in assembly.faces]
-    stiffness = STIFFER * max(max(law.normal_stiffness, law.shear_stiffness) for law in laws)
     size, middle = assembly.length, support.centre
+    # No stiffer than needed: forces are balanced to digits of that in the spring.
+    stiffest = max(
+        face.area * max(face.material.normal_stiffness, face.material.shear_stiffness)
+        for face in assembly.faces
+    )
+    stiffness = STIFFER * stiffest / size**2
     half = size / 2.0
     law = FaceMaterial(stiffness, stiffness, 0.0, STRONG, STRONG)
     pieces = list(assembly.pieces)
@@ -244,19 +251,22 @@ class SupportAnswer:
 
 def support_answers(
     assembly: Assembly, loads: SupportMotion
-) -> tuple[list[SupportAnswer], SupportPath]:
-    """The answers, and the reaction over the movement.
+) -> tuple[list[SupportAnswer], SupportPath | CapacityError]:
+    """The answers, and the reaction over the movement, or why there is none.
 
     `CapacityError` if the structure does not stand, or an interface is not dry.
     """
-    least, path = least_reaction(assembly, loads), support_path(assembly, loads)
-    greatest = greatest_reaction(assembly, loads)
+    with naming_permanent(loads):
+        least, greatest = least_reaction(assembly, loads), greatest_reaction(assembly, loads)
+    try:
+        path: SupportPath | CapacityError = support_path(assembly, loads)
+    except CapacityError as error:
+        path = error
     yields = f"the support yields; {joints_in_words(least.hinges, least.slides)}"
     pushed = "no limit: the support can be pushed back with any force"
     if greatest:
         joints = joints_in_words(greatest.hinges, greatest.slides)
         pushed = f"the support is pushed back; {joints}"
-    last = _clean(path.reaction[-1], loads), float(path.movement[-1])
     return [
         *_static(assembly, loads, least.size),
         SupportAnswer("limit, least", _clean(least.size, loads), None, yields),
@@ -266,9 +276,19 @@ def support_answers(
             None,
             pushed,
         ),
-        SupportAnswer("kinematics", *last, _end(path)),
-        *_one_slides(assembly, loads, least.slides, last[1]),
+        *_by_kinematics(assembly, loads, least.slides, path),
     ], path
+
+
+def _by_kinematics(
+    assembly: Assembly, loads: SupportMotion, slides: Sequence[str], path: SupportPath | Exception
+) -> Iterator[SupportAnswer]:
+    if isinstance(path, Exception):
+        yield SupportAnswer("kinematics", None, None, str(path))
+        return
+    movement = float(path.movement[-1])
+    yield SupportAnswer("kinematics", _clean(path.reaction[-1], loads), movement, _end(path))
+    yield from _one_slides(assembly, loads, slides, movement)
 
 
 def _clean(reaction: float, loads: SupportMotion) -> float:

@@ -1,0 +1,179 @@
+"""The programme of limit analysis: forces that a state of the assembly admits, in units of about 1.
+
+What `sidmacib.mechanics.limit` maximises over them is a load, or a part of the permanent loads.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cvxpy as cp
+import numpy as np
+from scipy.sparse import csr_array
+
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.contact_law import Cone, ContactLaw
+from sidmacib.mechanics.crushing import Limited, crushing_rows
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.polygons import CondensedLocks
+from sidmacib.mechanics.twist import Twist
+
+LARGEST = 10.0  # approximate force of a node over its share of the scale, where forces concentrate
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units in which the numbers of the programme are about 1.
+
+    ``load``: N. ``node``: of the force at each node, N, (N,): ten times its ``share`` of that by
+    area on a face of mean area. ``row``: of forces (N) and moments (N m) on the free pieces, (R,).
+    """
+
+    load: float
+    share: Floats
+    node: Floats
+    row: Floats
+
+    @classmethod
+    def of(cls, assembly: Assembly, loads: Loads) -> "Scales":
+        """ValueError if gravity turns."""
+        loads.require_proportional()
+        share = assembly.nodes.area / assembly.nodes.area.sum()
+        node = LARGEST * loads.scale * share * len(assembly.faces)
+        # Forces over the load, and moments over the load times the length, are about 1.
+        return cls(loads.scale, share, node, row_units(assembly) * loads.scale)
+
+
+def admissible(
+    assembly: Assembly,
+    loads: Loads,
+    cone: Cone,
+    load: cp.Variable | float,
+    s: cp.Variable,
+    limited: Limited,
+    permanent: cp.Variable | float = 1.0,
+    twist: Twist | None = None,
+    driven: Floats | None = None,
+) -> list[cp.Constraint]:
+    r"""The constraints of limit analysis on the ``load`` and the node forces ``s``, in `Scales`.
+
+    .. math::
+
+        \begin{aligned}
+        \max_{\lambda, s} \quad & \lambda \\
+        \text{subject to} \quad & C s = \kappa p + \lambda q & \text{free pieces} \\
+        & |s_t| \le \tau A + \mu_b s_n, \quad s_n \ge -\sigma A & \text{bonded nodes} \\
+        & |s_t| \le \mu s_n & \text{rough dry nodes} \\
+        & s_t = 0, \quad s_n \ge 0 & \text{smooth nodes} \\
+        & |s_{t1}| \le \mu s_n, \quad |s_{t2}| \le \tau A, \quad s_n \ge 0 & \text{locks}
+        \end{aligned}
+
+    :math:`\lambda` is the load and :math:`\kappa` the part of the ``permanent`` loads p that acts.
+    The ``cone`` of the nodes gives tau A, mu and sigma A; a node that is not bonded is rough if its
+    mu is above 0. Locks are contact points in their place, t1 along them and t2 across. Added are
+    limits of torque by a ``twist``, the equilibrium of what is ``driven`` under the load, those of
+    a rule for condensed locks, and those of pressed parts of ``limited`` faces by
+    `sidmacib.mechanics.crushing`.
+    """
+    law, units = ContactLaw.of(assembly), Scales.of(assembly, loads)
+    dry = ~law.cohesive & ~law.locked
+    bonded, locks = np.flatnonzero(law.cohesive), np.flatnonzero(law.locked)
+    rough = np.flatnonzero(dry & (cone.slope > 0.0))
+    smooth = np.flatnonzero(dry & (cone.slope <= 0.0))
+    every = equilibrium_matrix(assembly)
+    C = _scaled(every[free_rows(assembly)], units)
+    p, q = scaled_loads(assembly, loads, units)
+    tau, mu, sigma = cone.held / units.node, cone.slope, cone.torn / units.node
+    s_n, s_t = s[:, 0], s[:, 1:]
+
+    def size(nodes: Integers) -> cp.Expression:
+        return cp.norm(s_t[nodes], 2, axis=1)
+
+    def limit(nodes: Integers) -> Floats | cp.Expression:
+        by_pressure = cp.multiply(mu[nodes], s_n[nodes]) if mu[nodes].any() else 0.0
+        return tau[nodes] + by_pressure
+
+    constraints = [
+        # ``s`` acts on the pieces above, C is for those below: hence no minus.
+        C @ cp.vec(s, order="C") == permanent * p + load * q,
+        size(bonded) <= limit(bonded),
+        s_n[bonded] >= -sigma[bonded],
+        size(rough) <= limit(rough),
+        s_t[smooth] == 0,
+        s_n[smooth] >= 0,
+    ]
+    if driven is not None:
+        of_nodes = (driven.ravel() @ every) * np.repeat(units.node, 3) / units.load
+        constraints.append(of_nodes @ cp.vec(s, order="C") == load)
+    if tau[rough].any():
+        constraints.append(s_n[rough] >= 0)
+    if twist is not None and twist.motions:
+        forces, limits = twist.rows(assembly, rough, units.node)
+        constraints.append(forces @ cp.vec(s_t[rough], order="C") <= limits @ limit(rough))
+    if len(locks):
+        along, across = mu[locks], tau[locks]
+        constraints += [
+            s_n[locks] >= 0,
+            s_t[locks, 0] <= cp.multiply(along, s_n[locks]),
+            -s_t[locks, 0] <= cp.multiply(along, s_n[locks]),
+            s_t[locks, 1] <= across,
+            -s_t[locks, 1] <= across,
+        ]
+    return [
+        *constraints,
+        *_of_rules(assembly, units, s_n, s_t),
+        *_of_crushing(assembly, units, limited, s_n, np.where(law.cohesive, sigma, 0.0)),
+    ]
+
+
+def _of_crushing(
+    assembly: Assembly, units: Scales, limited: Limited, s_n: cp.Expression, sigma: Floats
+) -> Iterator[cp.Constraint]:
+    """Limits of what presses faces; ``sigma``: tensile strengths of the nodes, (N,).
+
+    Where bonds pull at one side of a face, more presses the other.
+    """
+    found = crushing_rows(assembly, units.node, units.load, limited.faces)
+    if found is None:
+        return
+    rows, limits = found
+    pull = np.zeros(len(sigma))
+    if sigma.any():
+        pull = cp.Variable(len(sigma), nonneg=True)
+        yield pull <= sigma
+        yield s_n + pull >= 0.0
+    yield rows @ (s_n + pull) <= limits
+
+
+def _of_rules(
+    assembly: Assembly, units: Scales, s_n: cp.Expression, s_t: cp.Expression
+) -> Iterator[cp.Constraint]:
+    """The limits of V and M of condensed locks, and the compression that these rest on."""
+    for number, face in enumerate(assembly.faces):
+        if isinstance(face, CondensedLocks) and (limits := face.limits):
+            nodes = np.flatnonzero(assembly.nodes.face == number)
+            unit, (run, row) = units.node[nodes], face.places.T
+            shear, torque = limits.shear[:, None], limits.torque[:, None]
+            # What the block below exerts on that above is opposite to V and M.
+            along, across = torque * row * unit, (-shear - torque * run) * unit
+            yield along @ s_t[nodes, 0] + across @ s_t[nodes, 1] <= 1.0
+            if limits.compression > 0.0:
+                yield unit / limits.compression @ s_n[nodes] >= 1.0
+
+
+def square_sum(s: cp.Variable, units: Scales) -> cp.Expression:
+    """The sum of s^2 / A, in the norm of the areas: of the same state however fine the mesh."""
+    return cp.sum_squares(cp.multiply(LARGEST * np.sqrt(units.share)[:, None], s))
+
+
+def scaled_loads(assembly: Assembly, loads: Loads, units: Scales) -> tuple[Floats, Floats]:
+    """Permanent and variable loads on the free pieces in ``units``, both (R,)."""
+    rows = free_rows(assembly)
+    p, q = (each.ravel()[rows] / units.row for each in (loads.permanent, loads.variable))
+    return p, q * units.load
+
+
+def _scaled(matrix: csr_array, units: Scales) -> csr_array:
+    """The ``matrix`` of equilibrium, (R, 3 N), in ``units``."""
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    data = matrix.data / units.row[row] * np.repeat(units.node, 3)[matrix.indices]
+    return csr_array((data, matrix.indices, matrix.indptr), matrix.shape)
