@@ -27,7 +27,7 @@ from structures import WITH_STRUCTURES
 
 from sidmacib import Assembly, FaceMaterial, Joint, Loading, Loads, NodeLayout
 from sidmacib.engines import ENGINES, Numerics
-from sidmacib.engines.run import EngineError, engine_outcome
+from sidmacib.engines.run import EngineError
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.pieces import lock_faces, shared_face
 from sidmacib.mechanics.assembly import Cuboid, Floats, Kind
@@ -35,7 +35,6 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.mechanics.newton import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
-from sidmacib.problem import Problem
 from workflow import engine as engine_step
 from workflow.case import Case, JointCase, JointSubject
 from workflow.command import snakemake, snakemake_command
@@ -119,26 +118,6 @@ def load_on_block(assembly: Assembly, force: tuple[float, float, float], moment_
     variable = np.zeros((len(assembly.pieces), 6))
     variable[1] = [*force, 0.0, 0.0, moment_z]
     return Loads(self_weight(assembly.pieces), variable, Joint(3).T0)
-
-
-def run_guided(
-    name: str, problem: Problem, numerics: Numerics, folder: Path, time_limit: float
-) -> None:
-    """Run an engine as a study does, from the loads of the static model."""
-    engine_outcome(ENGINES[name], problem, numerics, "what is tested", folder, time_limit)
-
-
-@pytest.fixture
-def run_block(tmp_path: Path) -> Callable[..., Path]:
-    """Search the peak of a block on the ground; returns the folder of the results."""
-
-    def run(name: str, assembly: Assembly, loads: Loads) -> Path:
-        folder = tmp_path / "block"
-        problem, numerics = Problem(assembly, loads), Numerics(tolerance=5e-4)
-        run_guided(name, problem, numerics, folder, 120)
-        return folder
-
-    return run
 
 
 @dataclass(frozen=True)
@@ -237,6 +216,17 @@ def broken_python(tmp_path: Path) -> Path:
     )
     path.chmod(0o755)
     return path
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[Any]:
+    """The explorer, on a free port."""
+    from explorer import explorer  # noqa: PLC0415 - few tests need it
+
+    with explorer() as found:
+        found.ask({})  # compiled
+        found.post("/structure", {"page": "compiled", "number": 1, "values": {}})
+        yield found
 
 
 @pytest.fixture(scope="session")
