@@ -9,27 +9,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import as_read
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import loaded
 from scipy.spatial.transform import Rotation
 from stack import tilted_stack
 from structures import dry
 from structures import moved as at_another_place
 
-from sidmacib.engines.liggghts.deck import LiggghtsDeck, flat_radii, patches, pitch
+from sidmacib.engines.liggghts.deck import LiggghtsDeck, flat_radii, patches
 from sidmacib.engines.liggghts.loads import handle_forces
 from sidmacib.engines.liggghts.model import Placement, utilisation
 from sidmacib.engines.liggghts.process import dumped_rows, printed_values
-from sidmacib.engines.render import assembly_data, engine_material
 from sidmacib.engines.scripts import assembly as scripts
 from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
 from sidmacib.engines.scripts.surroundings import LOOK, MET, Surroundings, meeting
 from sidmacib.engines.sides import vertices_above
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics import assembly as mechanics
+from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration
@@ -41,30 +39,14 @@ PILE = [("low", 0.0), ("middle", 0.2), ("top", 0.4)]
 LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5)
 
 
-def as_read(
-    assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path
-) -> scripts.GivenAssembly:
-    """The assembly as a script reads it."""
-    data = assembly_data(assembly, loads)
-    (tmp / "data.json").write_text(json.dumps(data))
-    names = {
-        row["material"]: f.material for row, f in zip(data["faces"], assembly.faces, strict=True)
-    }
-    materials = {name: engine_material(law) for name, law in names.items()}
-    return scripts.read_assembly(str(tmp / "data.json"), materials)
+@pytest.fixture
+def three() -> scripts.GivenAssembly:
+    return as_read(*loaded(Joint(3), 0.5, 0.02))
 
 
 @pytest.fixture
-def three(tmp_path: Path) -> scripts.GivenAssembly:
-    joint = Joint(3)
-    assembly = assemble(joint, 0.02, NodeLayout.CENTRES)
-    loads = lateral_load(joint, assembly, Loading(Direction(0.5)))
-    return as_read(assembly, loads, tmp_path)
-
-
-@pytest.fixture
-def stack(tmp_path: Path) -> scripts.GivenAssembly:
-    return as_read(*tilted_stack(2), tmp_path)
+def stack() -> scripts.GivenAssembly:
+    return as_read(*tilted_stack(2))
 
 
 # --- LIGGGHTS' deck ------------------------------------------------------------------------------
@@ -139,15 +121,8 @@ def test_a_face_too_soft_for_flat_sides_is_refused(stack: scripts.GivenAssembly)
         flat_radii(softer, patches(softer), 1.0)
 
 
-def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
-    assert pitch([(0.0, 0.0, 1.0), (0.02, 0.0, 1.0), (0.0, 0.03, 1.0)]) == pytest.approx(0.02)
-    assert pitch([(0.0, 0.03, 0.0), (0.04, 0.0, 0.0)]) == pytest.approx(0.05)
-    assert pitch([(0.0, 0.0, 0.0)]) == math.inf
-
-
-def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
-    built = assemble(joint, 0.03, NodeLayout.LOBATTO)
-    three = as_read(built, lateral_load(joint, built, Loading(Direction(0.0))), tmp_path)
+def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint) -> None:
+    three = as_read(*loaded(joint, nodes=NodeLayout.LOBATTO))
     found = patches(three)
     assert sorted(n for patch in found for n in patch.nodes) == [*range(len(three.nodes))]
     for patch in found:
@@ -197,14 +172,6 @@ def test_a_placement_finds_displacement_rotation_and_points(
     assert placement.place(point.tolist()) == pytest.approx(moved.tolist(), abs=1e-12)
 
 
-def test_utilisation_is_the_larger_of_shear_and_tension() -> None:
-    area, up = 1e-4, (0.0, 0.0, 1.0)
-    shear, tension = LAW.cohesion * area, LAW.tensile_strength * area
-    assert utilisation((0.6 * shear, 0.8 * shear, 0.0), up, LAW, area) == pytest.approx(1.0)
-    assert utilisation((0.0, 0.0, -0.5 * tension), up, LAW, area) == pytest.approx(0.5)
-    assert utilisation((0.1 * shear, 0.0, 9 * tension), up, LAW, area) == pytest.approx(0.1)
-
-
 def test_without_tensile_strength_only_more_than_rounding_breaks_a_bond() -> None:
     law, up = replace(LAW, tensile_strength=0.0), (0.0, 0.0, 1.0)
     assert utilisation((0.0, 0.0, -1e-12), up, law, 1e-4) < 1e-3
@@ -217,16 +184,15 @@ def shifted(*far: float) -> list[PieceMotion]:
     return [PieceMotion((x, 0.0, 0.0), (0.0, 0.0, 0.0)) for x in far]
 
 
-def test_what_has_moved_far_and_gains_speed_falls(stack: scripts.GivenAssembly) -> None:
+@pytest.mark.parametrize(
+    ("ways", "falls"), [((1, 3, 6, 10, 15), True), ((5, 9, 12, 14, 14.1), False)]
+)
+def test_what_has_moved_far_falls_if_it_gains_speed(
+    stack: scripts.GivenAssembly, ways: tuple[float, ...], falls: bool
+) -> None:
     fall = Fall(stack, 1e-2, [STILL] * 3)
-    ways = [1e-3, 3e-3, 6e-3, 10e-3, 15e-3]
-    assert [fall.sees(shifted(0.0, way, 0.0), 10) for way in ways] == [False] * 4 + [True]
-
-
-def test_what_has_moved_far_and_slows_down_may_come_to_rest(stack: scripts.GivenAssembly) -> None:
-    fall = Fall(stack, 1e-2, [STILL] * 3)
-    ways = [5e-3, 9e-3, 12e-3, 14e-3, 14.1e-3]
-    assert not any(fall.sees(shifted(0.0, 0.0, way), 10) for way in ways)
+    seen = [fall.sees(shifted(0.0, 0.0, 1e-3 * way), 10) for way in ways]
+    assert seen == [False] * 4 + [falls]
 
 
 def test_motions_count_from_the_last_equilibrium(stack: scripts.GivenAssembly) -> None:
@@ -293,13 +259,13 @@ def test_small_motions_that_add_up_are_seen(stack: scripts.GivenAssembly) -> Non
 
 
 @pytest.fixture
-def row(tmp_path: Path) -> scripts.GivenAssembly:
+def row() -> scripts.GivenAssembly:
     """Two blocks side by side on the ground, with a gap of 0.05 m along x."""
     ground = box("ground", (-1.0, -1.0, -0.2), (1.0, 1.0, 0.0), 2e3, fixed=True)
     ends = {"left": (-0.25, 0.0), "right": (0.05, 0.3)}
     cubes = [box(n, (x, -0.1, 0.0), (to, 0.1, 0.2), 2e3) for n, (x, to) in ends.items()]
     model = structure([ground, *cubes], dry(0.5))
-    return as_read(model, acceleration(model, (1.0, 0.0, 0.0)), tmp_path)
+    return as_read(model, acceleration(model, (1.0, 0.0, 0.0)))
 
 
 def test_blocks_without_an_interface_meet_where_the_gap_between_them_has_closed(
@@ -329,15 +295,16 @@ def test_a_block_that_sinks_into_another_where_it_has_lost_its_contacts_meets_it
     assert meeting(row, [STILL, rocked, STILL], row.nodes, lost) is None
 
 
-def test_crosswise_edges_meet_where_no_face_does(tmp_path: Path) -> None:
+def test_crosswise_edges_meet_where_no_face_does() -> None:
     turn = Rotation.from_rotvec([0.4, 0.3, 0.2])
     ridge = ((-1.0, -1.0), (1.0, -1.0), (0.0, 0.0))
     low = prism("low", [(0.0, y, z) for y, z in ridge], (1.0, 0.0, 0.0), 2e3)
     high = prism("high", [(x + 0.5, -0.5, 0.03 - z) for x, z in ridge], (0.0, 1.0, 0.0), 2e3)
     ground = box("ground", (-1.0, -1.0, -1.2), (1.0, 1.0, -1.0), 2e3, fixed=True)
-    solids = [at_another_place(each, turn, (0.0, 0.0, 0.0)) for each in (ground, low, high)]
-    model = structure([*solids[:2], replace(solids[2], fixed=True)], dry(0.5))
-    given = as_read(model, acceleration(model, (1.0, 0.0, 0.0)), tmp_path)
+    blocks = (ground, low, replace(high, fixed=True))
+    solids = [at_another_place(each, turn, (0.0, 0.0, 0.0)) for each in blocks]
+    model = structure(solids, dry(0.5))
+    given = as_read(model, acceleration(model, (1.0, 0.0, 0.0)))
     closed = 0.03 + MET * given.length_m
     for share, met in ((0.99, None), (1.01, "low meets high, where they had no interface")):
         up = turn.apply([0.0, 0.0, share * closed])
