@@ -31,12 +31,6 @@ def test_capacity_prints_the_loads_of_the_library() -> None:
         assert row["M (N m)"] == expected.torque
 
 
-def test_a_joint_that_no_model_takes_ends_with_an_error() -> None:
-    found = run("capacity", "-n", "9", "-H", "4", "-m", "law", "-m", "safe")
-    assert found.exit_code == 1
-    assert "H / b: 80 is not allowed" in found.output
-
-
 def test_the_static_model_of_pieces_that_bend_is_asked_for_by_name() -> None:
     flags = ["--young", "1e10", "--upper-body", "monolithic"]
     assert [row["model"] for row in answers("capacity", "-n", "3", *flags)] == ["safe", "law"]
@@ -49,8 +43,8 @@ def test_the_mesh_error_is_that_of_the_load_it_stands_beside() -> None:
     joint = Joint(5, a=0.08, H=0.06)
     problem = posed(joint, Loading(Direction(0.5)), 0.00625)
     finer = lowest_peak(*problem).peak.load * Direction(0.5).shear
-    error = abs(float(str(row["V (N)"])) / finer - 1.0)
-    assert error < float(str(row["mesh error / load"])) < 0.05
+    error = abs(row["V (N)"] / finer - 1.0)
+    assert error < row["mesh error / load"] < 0.05
 
 
 def test_every_model_answers() -> None:
@@ -58,12 +52,20 @@ def test_every_model_answers() -> None:
     flags = [part for name in names for part in ("-m", name)]
     rows = answers("capacity", "-n", "3", *flags)
     assert [row["model"] for row in rows] == names
-    loads = {str(row["model"]): float(str(row["V (N)"])) for row in rows}
+    loads = {row["model"]: row["V (N)"] for row in rows}
     assert loads["safe"] < loads["law"] <= loads["static"] * 1.01
 
 
-def test_flags_make_the_joint() -> None:
-    flags = ["-n", "4", "-a", "0.08", "-b", "0.04", "-h", "0.01", "-H", "0.05", "--cohesion", "7e4"]
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("-n", "-a", "-b", "-h", "-H"),
+        ("--locks", "--length", "--width", "--height", "--body-height"),
+    ],
+)
+def test_flags_make_the_joint(names: tuple[str, ...]) -> None:
+    sizes = zip(names, ("4", "0.08", "0.04", "0.01", "0.05"), strict=True)
+    flags = [*(word for pair in sizes for word in pair), "--cohesion", "7e4"]
     flags += ["--young", "1e10", "--upper-body", "monolithic", "--friction", "0.1"]
     (row,) = answers("capacity", *flags, "-m", "law")
     inner, dry = replace(INNER, cohesion=7e4), replace(DRY, friction=0.1)
@@ -97,7 +99,7 @@ def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> 
     law_rows = [row for row in rows if row["model"] == "law"]
     assert len(law_rows) > 5
     for row in law_rows:
-        ratio = math.inf if row["e/a"] == "torsion" else float(str(row["e/a"]))
+        ratio = math.inf if row["e/a"] == "torsion" else row["e/a"]
         expected = law(joint, Direction(ratio))
         assert row["V (N)"] == pytest.approx(expected.shear)
         assert row["M (N m)"] == pytest.approx(expected.torque)
@@ -121,11 +123,11 @@ def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
 
 def test_the_static_model_reports_the_lowest_of_its_peaks_and_the_first_failure() -> None:
     (row,) = answers("capacity", "-n", "11", "-e", "1", "-m", "static")
-    assert float(str(row["peak spread"])) > 0.05
+    assert row["peak spread"] > 0.05
     assert row["note"] == "lowest peak found"
-    load = float(str(row["V (N)"])) / Direction(1.0).shear
+    load = row["V (N)"] / Direction(1.0).shear
     assert load == pytest.approx(155.9, rel=5e-3)
-    assert float(str(row["first failure / load"])) * load == pytest.approx(143.39, rel=1e-4)
+    assert row["first failure / load"] * load == pytest.approx(143.39, rel=1e-4)
     (steady,) = answers("capacity", "-n", "5", "-m", "static")
     assert steady["peak spread"] == 0.0
 
@@ -142,7 +144,7 @@ def test_weights_are_those_of_each_lock() -> None:
         assert row["Vx (N)"] == pytest.approx(lock.shear_x_N, abs=1e-9 * joint.T0)
         assert row["Vy (N)"] == pytest.approx(lock.shear_y_N, abs=1e-9 * joint.T0)
     assert [row["lock"] for row in rows] == [1, 2, 3, 4, 5]
-    in_shear = [float(str(row["weight"])) for row in answers("weights", "-n", "5")]
+    in_shear = [row["weight"] for row in answers("weights", "-n", "5")]
     assert max(in_shear) == pytest.approx(1.0, abs=1e-3)
 
 
@@ -152,7 +154,7 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
     joint = Joint(3, hold_down=HoldDown.pressure(5e4))
     mesh = 0.24975 * joint.least_side
     found = sensitivity(joint, Loading(Direction(0.3), push=Push.MINUS_Y), mesh)
-    by_name = {str(row["parameter"]): row for row in rows}
+    by_name = {row["parameter"]: row for row in rows}
     assert len(rows) == len(found.effects)
     for each in found.effects:
         row = by_name[each.name]
@@ -160,17 +162,10 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
         assert row["first failure (N)"] == found.shear
         for key, value in (("1 % more (%)", each.more), ("1 % less (%)", each.less)):
             assert row[key] == (None if value is None else pytest.approx(value, abs=1e-9))
-    sizes = [abs(float(str(row["1 % more (%)"] or 0.0))) for row in rows]
+    sizes = [abs(row["1 % more (%)"] or 0.0) for row in rows]
     assert sizes == sorted(sizes, reverse=True)
     first = run("sensitivity", *flags).output.splitlines()[0]
     assert first.startswith("First failure at V = ") and first.endswith("root of lock 2.")
-
-
-def test_effects_on_pieces_that_bend_are_refused_in_one_line() -> None:
-    found = run("sensitivity", "-n", "3", "--young", "1e10")
-    assert found.exit_code == 1
-    said = "Error: sensitivity: for rigid pieces only; elastic ones take minutes each\n"
-    assert found.stderr == said
 
 
 def test_the_law_prints_how_many_locks_work() -> None:
@@ -187,28 +182,21 @@ def test_the_law_prints_how_many_locks_work() -> None:
         expected[f"V (N), {rule.__name__}"] = shear
         expected[f"effective locks, {rule.__name__}"] = shear / joint.T0
     assert values == pytest.approx(expected)
-    safely, by_law = (float(str(values[f"effective locks, {rule}"])) for rule in ("safe", "law"))
-    assert safely < by_law < 4
+    assert values["effective locks, safe"] < values["effective locks, law"] < 4
 
 
-def test_tables_are_aligned_and_csv_is_csv() -> None:
-    table = run("law", "-n", "5").output.splitlines()
-    assert table[0].startswith("what")
-    assert len({line.index(line.split("  ")[-1]) for line in table[1:3]}) == 1
-    rows = list(csv.DictReader(io.StringIO(run("weights", "-n", "3", "--format", "csv").output)))
-    assert [row["block"] for row in rows] == ["upper", "lower", "upper"]
-
-
-def test_numbers_stand_at_the_right_and_words_at_the_left() -> None:
+def test_in_a_table_numbers_stand_at_the_right_and_csv_is_csv() -> None:
     rows = [{"name": "a", "V (N)": 1.5}, {"name": "bcd", "V (N)": None}, {"name": "e", "V (N)": 10}]
     lines = ["name  V (N)", "a       1.5", "bcd       -", "e        10"]
     assert text_of(rows, "table").splitlines() == lines
+    written = csv.DictReader(io.StringIO(run("weights", "-n", "3", "--format", "csv").output))
+    assert [row["block"] for row in written] == ["upper", "lower", "upper"]
 
 
 def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
     rows = answers("capacity", "-n", "40", "-m", "law", "-m", "static")
     assert rows[0]["V (N)"] is None
-    assert "from 2 to 31" in str(rows[0]["note"])
+    assert "from 2 to 31" in rows[0]["note"]
     assert rows[1]["V (N)"] is not None
 
 
@@ -229,6 +217,10 @@ def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
         (("weights", "-e", ".2", "-e", ".3"), "-e is given more than once; it must be given once"),
         (("law", "-n", "3", "--locks", "5"), "-n is given more than once"),
         (("envelope", "--picture", "x.unknown"), "--picture x.unknown"),
+        (("capacity", "-m", "law", "--units", "kN,stone"), "'stone' is not a unit; it must be one"),
+        (("capacity", "-n", "9", "-H", "4", "-m", "law"), "H / b: 80 is not allowed"),
+        (("capacity", "-n", "300", "-m", "limit", "-a", "0.1"), "GiB; at most 2 GiB are allowed"),
+        (("sensitivity", "-n", "3", "--young", "1e10"), "sensitivity: for rigid pieces only; ela"),
     ],
 )
 def test_errors_name_flag_value_and_what_is_allowed(arguments: tuple[str, ...], words: str) -> None:
@@ -251,19 +243,13 @@ def test_a_picture_of_weights_has_a_bar_for_each_lock() -> None:
     rows = answers("weights", "-n", "3")
     (axes,) = bars(rows, "three").axes
     found = {bar.get_x() + bar.get_width() / 2: bar.get_height() for bar in axes.patches}
-    assert found == pytest.approx({float(str(r["lock"])): r["weight"] for r in rows})
+    assert found == pytest.approx({r["lock"]: r["weight"] for r in rows})
 
 
 def test_friction_in_degrees_is_doubted() -> None:
     found = run("capacity", "--friction", "30", "-m", "static", "-n", "3")
     words = "Note: friction: 30 is very large; is it an angle in degrees? tan(30°) = 0.577"
     assert words in found.stderr
-
-
-def test_too_large_a_limit_analysis_is_refused_in_one_line() -> None:
-    found = run("capacity", "-n", "300", "-m", "limit", "-a", "0.1")
-    assert found.exit_code == 1
-    assert "GiB; at most 2 GiB are allowed" in found.output
 
 
 def test_a_terminal_sees_what_is_computed_and_nothing_of_it_at_the_end(
@@ -278,31 +264,22 @@ def test_a_terminal_sees_what_is_computed_and_nothing_of_it_at_the_end(
 def test_columns_are_in_the_units_that_were_asked_for() -> None:
     (plain,) = answers("capacity", "-m", "law", "-e", "0.3")
     (other,) = answers("capacity", "-m", "law", "-e", "0.3", "--units", "kN,N mm")
-    assert other["V (kN)"] == pytest.approx(float(str(plain["V (N)"])) / 1e3)
-    assert other["M (Nmm)"] == pytest.approx(float(str(plain["M (N m)"])) * 1e3)
+    assert other["V (kN)"] == pytest.approx(plain["V (N)"] / 1e3)
+    assert other["M (Nmm)"] == pytest.approx(plain["M (N m)"] * 1e3)
     assert other["e/a"] == plain["e/a"] and other["note"] == plain["note"]
-
-
-def test_an_unknown_unit_of_the_answer_is_named() -> None:
-    done = run("capacity", "-m", "law", "--units", "kN,stone")
-    assert done.exit_code == 2
-    assert "--units: 'stone' is not a unit; it must be one of m, mm" in done.output
 
 
 COLUMNS = 80
 
 
 @pytest.mark.parametrize("command", ["", *main.commands])
-def test_no_line_of_the_help_is_wider_than_a_terminal(command: str) -> None:
+def test_no_line_of_the_help_is_cut_off_or_wider_than_a_terminal(command: str) -> None:
     found = run(*filter(None, [command]), "--help")
     assert found.exit_code == 0 and "Usage" in found.output
     assert all(len(line) <= COLUMNS for line in found.output.splitlines())
-
-
-def test_no_summary_is_cut_off_in_the_list_of_commands() -> None:
-    listed = run("--help").output.partition("Commands:\n")[2]
-    assert len(listed.splitlines()) == len(main.commands)
-    assert "..." not in listed
+    if not command:
+        listed = found.output.partition("Commands:\n")[2]
+        assert len(listed.splitlines()) == len(main.commands) and "..." not in listed
 
 
 @pytest.mark.parametrize("command", ["capacity", "envelope", "weights", "sensitivity", "joint"])
@@ -313,9 +290,3 @@ def test_options_stand_under_the_heading_of_their_group(command: str) -> None:
     for option in main.commands[command].params:
         if isinstance(option, Grouped):
             assert re.search(rf"^  {option.opts[0]}\b", under[option.group], re.MULTILINE)
-
-
-def test_sizes_have_long_names() -> None:
-    short = answers("law", "-n", "7", "-a", "0.08", "-b", "0.04", "-h", "0.01", "-H", "0.06")
-    sizes = ("--length", "0.08", "--width", "0.04", "--height", "0.01", "--body-height", "0.06")
-    assert answers("law", "--locks", "7", *sizes) == short

@@ -247,4 +247,4 @@ def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
 def test_the_command_finds_what_an_engine_finds(engine: str) -> None:
     static, row = answers("capacity", "-n", "3", "-m", "static", "-m", engine)
     assert row["V (N)"] == pytest.approx(static["V (N)"], rel=0.005)
-    assert str(row["note"]).startswith("failure mode: bonds; ")
+    assert row["note"].startswith("failure mode: bonds; ")
