@@ -83,10 +83,22 @@ def test_a_mesh_is_read_without_a_file_of_other_blocks_beside_it(tmp_path: Path)
     assert run("build", str(mesh), "-o", str(tmp_path / "out")).exit_code != 0
 
 
-def test_millimetres_are_asked_for_and_not_taken_as_metres() -> None:
-    ended = run("assembly", str(CASES / "mm.obj"), "--fixed", "ground")
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ("mm.obj --fixed ground", "would be 1732 m across; say unit: mm"),
+        (
+            "yup.obj --up y",
+            "name those that cannot move: by --fixed or --fixed-below, or by fixed ",
+        ),
+        ("cra_plain.json --tolerance 0", "tolerance: 0.0 is not allowed"),
+    ],
+)
+def test_what_a_file_does_not_say_is_asked_for_and_not_guessed(words: str, line: str) -> None:
+    file, *options = words.split()
+    ended = run("assembly", str(CASES / file), *options)
     assert ended.exit_code == 2
-    assert "would be 1732 m across; say unit: mm" in ended.output.splitlines()[-1]
+    assert line in ended.output.splitlines()[-1]
 
 
 @pytest.mark.parametrize("gap", [0.0005, 0.005, -0.005])
@@ -119,13 +131,15 @@ def test_one_tolerance_takes_all_gaps_of_a_kind_and_none_of_another(sign: float)
     assert len(interfaces(blocks, 0.002)) == 3
 
 
-def test_a_proposed_tolerance_is_allowed() -> None:
+def test_a_proposed_tolerance_is_allowed_and_none_that_reaches_through_a_block() -> None:
     """Where gaps go on to the largest tolerance, half the thinnest block, it is not rounded up."""
     plate = box("plate", (0.0, 0.0, 1.1), (1.0, 1.0, 1.31), 2e3)
-    with pytest.raises(ValueError, match=r"tolerance: 0\.066 takes") as refused:
+    with pytest.raises(ValueError, match=r" 0\.1 m away; tolerance: 0\.066 takes") as refused:
         interfaces([CUBE, plate])
     near = float(str(refused.value).rpartition("tolerance: ")[2].split()[0])
     assert len(interfaces([CUBE, plate], near)) == 1
+    with pytest.raises(ValueError, match=r"tolerance: 0\.11 is not allowed; .*thinnest block"):
+        structure([CUBE, plate], dry(0.5), near=0.11)
 
 
 def test_what_shares_most_of_its_volume_does_not_touch_whatever_the_tolerance() -> None:
@@ -136,18 +150,6 @@ def test_what_shares_most_of_its_volume_does_not_touch_whatever_the_tolerance() 
     for near in (1e-6, 0.1):
         with pytest.raises(ValueError, match=r"^blocks: one and other overlap by 0\.65 m3$"):
             interfaces([one, other], near)
-
-
-def test_a_block_that_touches_nothing_is_told_the_tolerance() -> None:
-    above = box("above", (0.0, 0.0, 1.01), (1.0, 1.0, 2.01), 2e3)
-    with pytest.raises(ValueError, match=r"touches no other block; .* 0\.01 m away; tolerance: 0"):
-        interfaces([CUBE, above])
-
-
-def test_no_tolerance_reaches_through_a_block() -> None:
-    plate = box("plate", (0.0, 0.0, 1.0), (1.0, 1.0, 1.02), 2e3)
-    with pytest.raises(ValueError, match=r"tolerance: 0\.1 is not allowed; .*thinnest block"):
-        structure([CUBE, plate], dry(0.5), near=0.1)
 
 
 def test_a_cavity_is_told_by_its_place_and_not_by_the_sense_of_its_faces() -> None:
@@ -240,22 +242,9 @@ def test_a_support_may_be_a_flat_face_but_a_free_block_not(
 
 
 def test_lists_of_meshes_may_be_in_lists(tmp_path: Path) -> None:
-    path = tmp_path / "lists.json"
     meshes = json.loads((CASES / "mesh_list.json").read_text())
-    path.write_text(json.dumps([[each] for each in meshes]))
-    assert len(read_compas(path, 2e3, fixed=["0"])) == len(meshes)
-
-
-def test_a_file_without_supports_is_told_how_to_name_them() -> None:
-    ended = run("assembly", str(CASES / "yup.obj"), "--up", "y")
-    words = "name those that cannot move: by --fixed or --fixed-below, or by fixed in a YAML file"
-    assert words in ended.output.splitlines()[-1]
-
-
-def test_a_tolerance_of_0_is_refused_not_ignored() -> None:
-    ended = run("assembly", str(CASES / "cra_plain.json"), "--tolerance", "0")
-    assert ended.exit_code == 2
-    assert "tolerance: 0.0 is not allowed" in ended.output
+    (tmp_path / "lists.json").write_text(json.dumps([[each] for each in meshes]))
+    assert len(read_compas(tmp_path / "lists.json", 2e3, fixed=["0"])) == len(meshes)
 
 
 def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> None:
