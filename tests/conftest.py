@@ -140,7 +140,6 @@ class CaseResult:
     history: pd.DataFrame
 
     peak_load = property(lambda self: self.record.load_N)
-    shear = property(lambda self: self.record.part.shear_N)
     failed_load = property(lambda self: self.record.failed_load_N)
     first_failure_load = property(lambda self: self.record.first_failure_load_N)
     unbalanced_share = property(lambda self: self.record.unbalanced_share)

@@ -1,7 +1,6 @@
 """CalculiX on elastic pieces: its deck, its results as they are read, and small real runs."""
 
 import math
-import re
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -69,25 +68,6 @@ def test_nodal_forces_have_the_force_and_moment_of_every_pieces_loads(
         for forces, whole in ((deck.permanent, loads.permanent), (deck.variable, loads.variable)):
             expected = np.zeros(6) if piece.fixed else whole[index]
             assert resultant(deck, forces, index) == pytest.approx(expected, abs=1e-12)
-
-
-@pytest.mark.parametrize("body", UpperBody)
-def test_the_deck_holds_every_piece_and_a_contact_of_two_equal_areas_for_every_face(
-    body: UpperBody,
-) -> None:
-    deck = deck_of(elastic(Joint(3), body))
-    text = deck.text("three", [10.0, 20.0])
-    assert text.count("*ELEMENT,") == text.count("*SOLID SECTION") == len(deck.assembly.pieces)
-    assert text.count("*CONTACT PAIR") == len(deck.assembly.faces)
-    inner = [face for face in deck.assembly.faces if face.cohesive]
-    assert text.count("=TIED") == len(inner)
-    assert text.count("*STEP") == text.count("*END STEP") == 3
-    for number in range(len(deck.assembly.faces)):
-        (one, other) = (
-            re.search(rf"NAME={side}{number}, TYPE=ELEMENT\n((?:\d+, S\d\n)+)", text)[1].split("\n")
-            for side in "BA"
-        )
-        assert len(one) == len(other) > 1
 
 
 def test_every_contact_node_of_a_rough_face_is_a_node_of_both_grids() -> None:

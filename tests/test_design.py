@@ -98,16 +98,6 @@ def test_a_search_ends_with_the_cheapest_of_all_layouts(pushed_both_ways: Design
     assert search.carries(mixed.parts * (1.0 + 1e-4))
 
 
-def test_what_is_barred_is_not_chosen(pushed_both_ways: DesignProblem) -> None:
-    search = RowSearch(pushed_both_ways, 1.0)
-    free = search.cheapest(gap=1e-4)
-    taken = frozenset(pushed_both_ways.rows[k] for k in pushed_both_ways.row_of[free.parts > 0])
-    other = search.cheapest(barred=[taken], gap=1e-4)
-    assert not taken <= {pushed_both_ways.rows[k] for k in pushed_both_ways.row_of[other.parts > 0]}
-    assert other.cost >= free.cost
-    assert search.carries(other.parts)
-
-
 def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     """By differences of the factor of designs whose locks are a little stronger and weaker."""
     assembly = structure(stack(), dry(0.2))

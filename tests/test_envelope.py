@@ -58,13 +58,6 @@ def test_a_slender_triangle_a_line_and_a_point_have_their_ends_for_vertices(corn
     assert sorted(map(tuple, found)) == sorted(corners)
 
 
-def test_vertices_go_round_counter_clockwise_from_the_smallest_shear(joint: Joint) -> None:
-    vertices = envelope(Sidmacib(joint, OPTIONS["option4"])).vertices
-    assert vertices[0, 0] == pytest.approx(vertices[:, 0].min())
-    following = np.roll(vertices, -1, axis=0)
-    assert np.sum(np.linalg.det(np.stack([vertices, following], axis=1))) > 0
-
-
 @pytest.mark.parametrize("locks", [3, 5, 6])
 def test_every_capacity_lies_on_the_envelope(locks: int) -> None:
     joint = Joint(locks)

@@ -123,15 +123,6 @@ def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
     return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, whole)
 
 
-def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) -> None:
-    rigid_solver = solver(model)
-    unknowns, state = some_state(model)
-    here = point_at(rigid_solver.contacts, components(state.slip), state.whole, unknowns)
-    inside = (equilibrium_matrix(model) @ here.force.T.ravel())[free_rows(model)]
-    expected = inside / rigid_solver.units
-    assert -here.residual[rigid_solver.place] == pytest.approx(expected, rel=1e-9, abs=1e-9)
-
-
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
