@@ -10,13 +10,12 @@ import pytest
 from conftest import DISTINCT, a_case, as_read, run_case
 from joints import loaded
 
+from sidmacib import Elastic, Loading, NodeLayout
 from sidmacib.engines import ENGINES
 from sidmacib.engines.calculix.deck import CalculixDeck
 from sidmacib.engines.calculix.run import load_at, raised, read_state
 from sidmacib.engines.run import EngineError
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
-from sidmacib.joint.loading import Loading
-from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
 from sidmacib.models.static import solve as static_model
 from workflow.configuration import ConfigError, read_study

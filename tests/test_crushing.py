@@ -16,17 +16,15 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from structures import example
 
+from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import CRUSHING
 from sidmacib.design.file import task_of
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
-from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.crushing import stress_blocks
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.files.structure_file import structure_of

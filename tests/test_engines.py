@@ -13,13 +13,12 @@ from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case
 from joints import loaded
 from stack import overturning, tilted_stack
 
+from sidmacib import Loading, static_peak
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.run import OUTPUTS, EngineError, engine_outcome
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
-from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Kind, NodeLayout
-from sidmacib.mechanics.static import static_peak
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
 from workflow.solve import solved

@@ -20,14 +20,11 @@ from analysis.explore.state import (
     from_query,
     query_of,
 )
+from sidmacib import Direction, NodeLayout, law, static_first_failure
 from sidmacib.answers.joint import meshes
-from sidmacib.joint import Direction
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.parameters import PARAMETERS
-from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.static import static_first_failure
 from sidmacib.problem import Problem
-from sidmacib.rule import law
 from workflow.configuration import read_study
 
 STATES = (
