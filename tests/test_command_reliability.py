@@ -96,25 +96,6 @@ def test_capacity_says_whether_a_joint_carries_a_load_as_joint_does(
     assert noted == pytest.approx(1 / factor, rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["-V", "1", "-e", "0", "-e", "1"], "-V, -M: need one direction, -e once"),
-        (["-M", "1", "-e", "0.2"], "must have a torque or e / a, not both"),
-        (
-            ["--scatter", "20"],
-            "--scatter: '20' is not allowed; it must be greater than 0 and at most 1",
-        ),
-        (["--scatter", "0"], "--scatter: '0' is not allowed"),
-        (["--gamma-m", "0.8"], "--gamma-m: '0.8' is not allowed; it must be from 1 to 10"),
-        (["--note", "n.html", "-e", "0", "-e", "1"], "--note: needs one direction"),
-        (["--note", "/nowhere/n.html"], "--note /nowhere/n.html: No such folder"),
-    ],
-)
-def test_wrong_options_are_refused_in_a_line(options: list[str], words: str) -> None:
-    assert words in run("capacity", "-n", "3", "-m", "law", *options, code=2)
-
-
 def test_the_note_has_the_numbers_of_the_library(tmp_path: Path) -> None:
     options = ["-m", "law", "--scatter", "0.2", "--gamma-m", "1.5"]
     note = note_in(tmp_path / "note.html", "capacity", *GIVEN, *options)
