@@ -30,9 +30,7 @@ WORDS = "disagrees with the static model: "
         (1140.0, None, ""),
     ],
 )
-def test_what_differs_by_more_than_a_tenth_is_said(
-    peak: float | None, first: float | None, words: str
-) -> None:
+def test_more_than_a_tenth_is_said(peak: float | None, first: float | None, words: str) -> None:
     assert disagreement(peak, first, STATIC) == (words and f"{WORDS}{words}")
 
 

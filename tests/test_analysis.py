@@ -179,9 +179,7 @@ def test_a_table_reads_as_it_was_written(results, tmp_path: Path) -> None:
         (lambda t: t.assign(weight=math.inf), "weights: weight is infinite"),
     ],
 )
-def test_a_table_that_is_not_as_it_should_be_is_not_written(
-    results, tmp_path: Path, change, message: str
-) -> None:
+def test_a_faulty_table_is_not_written(results, tmp_path: Path, change, message: str) -> None:
     with pytest.raises(TableError, match=message):
         write_table(WEIGHTS, change(weights_table(results)), tmp_path / "weights.csv")
     assert not list(tmp_path.iterdir())
@@ -201,9 +199,7 @@ def test_a_table_that_is_not_as_it_should_be_is_not_written(
         ({"samples": {"n": {"locks": 3, "different": {2: {"density": 1}}}}}, False),
     ],
 )
-def test_only_the_papers_samples_and_loads_are_held_against_the_paper(
-    change: dict[str, object], covered: bool
-) -> None:
+def test_only_what_the_paper_has_is_held_to_it(change: dict[str, object], covered: bool) -> None:
     config = {"samples": {"n": {"locks": 3}}, "meshes": [0.02], **change}
     assert read_published().covers(read_study(config), "n") is covered
 

@@ -181,9 +181,7 @@ def test_engines_are_compared_with_the_static_model_on_their_own_cells() -> None
 
 
 @pytest.mark.parametrize(("first", "counts"), [(400.0, FIRST_FAILURE), (None, PEAK)])
-def test_an_engine_alone_counts_its_peak_only_where_no_bond_fails_before(
-    first: float | None, counts: str
-) -> None:
+def test_an_engines_peak_alone_counts_if_no_bond_fails(first: float | None, counts: str) -> None:
     found = counted(engine("yade", 900.0, first), None)
     assert found.part.counts == counts and found.load_N == (first or 900.0)
     assert without_other_meshes(Failures(900.0, 900.0)).peak

@@ -20,9 +20,7 @@ NONE = math.nan, math.inf, -math.inf
         *(("normal_stiffness", 0.0), ("shear_stiffness", 0.0)),
     ],
 )
-def test_a_material_has_stiffness_and_no_negative_or_infinite_property(
-    name: str, value: float
-) -> None:
+def test_a_material_has_stiffness_and_nothing_negative_or_infinite(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=f"{name}: {value}"):
         replace(DRY, **{name: value})
 

@@ -77,9 +77,7 @@ def test_a_block_of_too_many_faces_is_refused_before_they_are_checked(tmp_path: 
         blocks_from_mesh(path, 2e3)
 
 
-def test_a_body_with_a_groove_keeps_its_faces_and_one_with_a_hole_its_volume(
-    tmp_path: Path,
-) -> None:
+def test_a_body_with_a_groove_keeps_its_faces_one_with_a_hole_its_volume(tmp_path: Path) -> None:
     corners = np.array([(0, 0), (3, 0), (3, 1), (2, 1), (2, 0.5), (1, 0.5), (1, 1), (0, 1)])
     triangles = [(0, 1, 4), (0, 4, 5), (0, 5, 7), (5, 6, 7), (1, 2, 4), (2, 3, 4)]
     groove = trimesh.creation.extrude_triangulation(corners, np.array(triangles), height=1.0)
@@ -129,9 +127,7 @@ def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Pat
         ({"file": "b.obj", "scale": 0}, "blocks.b.scale: 0 is not allowed"),
     ],
 )
-def test_a_fault_is_one_line_that_names_the_key(
-    block: dict[str, object], line: str, tmp_path: Path
-) -> None:
+def test_a_fault_names_its_key(block: dict[str, object], line: str, tmp_path: Path) -> None:
     write(tmp_path / "b.obj", [LOW, HIGH])
     (tmp_path / "b.txt").write_text("")
     (tmp_path / "empty.obj").write_text("# nothing\n")

@@ -183,9 +183,7 @@ def test_condensed_locks_are_the_same_solids() -> None:
         (Joint(3, different={2: OwnLock(density=1e3)}), NO_GAPS, "lock 2: density: 1000"),
     ],
 )
-def test_a_joint_that_cannot_be_built_is_refused(
-    joint: Joint, clearance: Clearance, words: str
-) -> None:
+def test_what_cannot_be_built_is_refused(joint: Joint, clearance: Clearance, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         made(joint_blocks(joint), clearance)
 
@@ -324,9 +322,7 @@ def test_step_has_the_volume_and_the_names_of_the_solids(tmp_path: Path) -> None
         assert volume.Mass() == pytest.approx(1e9 * sum(each.volume for each in found), rel=1e-9)
 
 
-def test_step_without_its_package_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_step_says_which_package_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP.Message", None)
     done = run("build", "-n", "3", "-o", str(tmp_path), "--step")
     assert done.exit_code == 2

@@ -57,9 +57,7 @@ def resultant(deck: CalculixDeck, forces: dict[tuple[int, int], float], index: i
 # --- the deck ------------------------------------------------------------------------------------
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 @pytest.mark.parametrize("hold_down", [HoldDown(), HoldDown.force(500.0)])
-def test_nodal_forces_have_the_force_and_moment_of_every_pieces_loads(
-    eccentricity: float, hold_down: HoldDown
-) -> None:
+def test_nodal_forces_add_up_to_the_loads(eccentricity: float, hold_down: HoldDown) -> None:
     joint = elastic(Joint(3, hold_down=hold_down))
     assembly, loads = loaded(joint, eccentricity, 0.02, NodeLayout.VERTICES)
     deck = CalculixDeck(as_read(assembly, loads))

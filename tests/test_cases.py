@@ -130,9 +130,7 @@ def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> Non
         ({"pressure": "1e5"}, HoldDown.pressure(1e5)),
     ],
 )
-def test_what_holds_the_joint_down_is_a_setting_of_the_study_or_of_a_variant(
-    spelled: Any, meant: HoldDown
-) -> None:
+def test_what_holds_a_joint_down_is_set_in_study_or_variant(spelled: Any, meant: HoldDown) -> None:
     study = read_study(merged(assembly={"hold_down": spelled}))
     assert {case.subject.joint.hold_down for case in cases_of(study).values()} == {meant}
     assert read_study(json.loads(study.model_dump_json())) == study

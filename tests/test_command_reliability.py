@@ -122,9 +122,7 @@ def test_a_joint_that_was_sought_has_a_note_with_its_utilisation(tmp_path: Path)
 
 
 @pytest.mark.parametrize("ratio", ["0", "torsion", "-0.4"])
-def test_the_note_is_well_formed_needs_no_other_file_and_is_the_same_each_time(
-    tmp_path: Path, ratio: str
-) -> None:
+def test_the_note_is_well_formed_whole_and_the_same_each_time(tmp_path: Path, ratio: str) -> None:
     words = ["capacity", "-n", "4", "-m", "law", "-e", ratio]
     first = note_in(tmp_path / "note.html", *words)
     assert first == note_in(tmp_path / "note.html", *words)

@@ -77,9 +77,7 @@ def read(path: Path, content: Any, **more: Any) -> tuple[Block, ...]:
     return read_compas(path, 2e3, **more)
 
 
-def test_blocks_are_in_the_order_of_their_nodes_and_supports_those_of_the_file_or_given(
-    path: Path,
-) -> None:
+def test_blocks_are_in_order_of_nodes_and_supports_those_of_the_file_or_given(path: Path) -> None:
     assert read(path, assembly()) == (GROUND, CUBE)
     assert [block.fixed for block in read(path, assembly(), fixed=[3])] == [False, True]
 
@@ -96,9 +94,7 @@ ANALYSIS = {"dtype": "compas_dem.models/Analysis", "data": {"model": model(), "p
 
 
 @pytest.mark.parametrize("content", [model(), ANALYSIS])
-def test_a_model_of_compas_dem_has_blocks_that_are_moved_and_materials(
-    path: Path, content: dict[str, Any]
-) -> None:
+def test_a_model_of_compas_dem_has_moves_and_materials(path: Path, content: dict[str, Any]) -> None:
     ground, cube = read(path, content)
     assert (ground, cube.density) == (GROUND, 2600.0)
     assert np.array(cube.vertices) == pytest.approx(np.array(CUBE.vertices))

@@ -53,9 +53,7 @@ def test_one_cell_of_lobatto_points_is_enough() -> None:
 
 
 @given(st.sampled_from(LAYOUTS), st.floats(0.004, 0.045))
-def test_the_nodes_of_a_face_have_its_area_its_middle_and_its_corners(
-    layout: NodeLayout, mesh: float
-) -> None:
+def test_nodes_of_a_face_have_its_area_middle_and_corners(layout: NodeLayout, mesh: float) -> None:
     model = assemble(Joint(2), mesh, layout)
     for number, face in enumerate(model.faces):
         on_face = model.nodes.face == number
@@ -94,9 +92,7 @@ def test_lobatto_nodes_find_first_failure_on_coarse_meshes(locks: int, eccentric
 @pytest.mark.parametrize(
     ("layout", "order"), [(NodeLayout.CENTRES, 1.0), (NodeLayout.VERTICES, 2.0)]
 )
-def test_the_first_failure_under_torque_converges_at_the_order_of_the_layout(
-    layout: NodeLayout, order: float
-) -> None:
+def test_first_failures_converge_at_the_layouts_order(layout: NodeLayout, order: float) -> None:
     joint = Joint(3)
     limit = solved(joint, 0.0025, NodeLayout.LOBATTO, math.inf).first_failure_load
     meshes = (0.02, 0.01, 0.005)

@@ -124,9 +124,7 @@ OUTLINES = {
 @pytest.mark.parametrize("name", OUTLINES)
 @settings(max_examples=30, deadline=None)
 @given(angle=st.floats(0, 2 * math.pi), share=st.floats(0.02, 1.0))
-def test_no_stress_block_of_any_direction_is_taken_to_carry_more(
-    name: str, angle: float, share: float
-) -> None:
+def test_no_stress_block_is_taken_to_carry_more(name: str, angle: float, share: float) -> None:
     outline = OUTLINES[name]
     blocks = stress_blocks(outline)
     way = np.array([math.cos(angle), math.sin(angle)])

@@ -233,9 +233,7 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
         (("most",), 3, "design.most: unknown key"),
     ],
 )
-def test_every_fault_is_one_line_that_names_the_key(
-    path: Path, keys: tuple[str, ...], value: Any, words: str
-) -> None:
+def test_a_fault_names_its_key(path: Path, keys: tuple[str, ...], value: Any, words: str) -> None:
     given = two_blocks()
     inside = given["design"]
     for key in keys[:-1]:

@@ -23,6 +23,7 @@ from sidmacib.engines.liggghts.loads import handle_forces
 from sidmacib.engines.liggghts.model import Placement, utilisation
 from sidmacib.engines.liggghts.process import dumped_rows, printed_values
 from sidmacib.engines.scripts import assembly as scripts
+from sidmacib.engines.scripts.assembly import GivenAssembly
 from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
 from sidmacib.engines.scripts.surroundings import LOOK, MET, Surroundings, meeting
@@ -39,17 +40,17 @@ LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5)
 
 
 @pytest.fixture
-def three() -> scripts.GivenAssembly:
+def three() -> GivenAssembly:
     return as_read(*loaded(Joint(3), 0.5, 0.02))
 
 
 @pytest.fixture
-def stack() -> scripts.GivenAssembly:
+def stack() -> GivenAssembly:
     return as_read(*tilted_stack(2))
 
 
 # --- LIGGGHTS' deck ------------------------------------------------------------------------------
-def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: scripts.GivenAssembly) -> None:
+def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: GivenAssembly) -> None:
     deck = LiggghtsDeck(three, SEARCH, RADII)
     for index in three.free:
         piece = three.pieces[index]
@@ -75,9 +76,7 @@ def test_the_forces_on_the_handles_add_up_to_force_and_moment(
     assert turning == pytest.approx(np.array(moment), abs=1e-9)
 
 
-def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
-    three: scripts.GivenAssembly,
-) -> None:
+def test_spheres_of_a_node_touch_there_and_no_others_of_the_face(three: GivenAssembly) -> None:
     deck = LiggghtsDeck(three, SEARCH, RADII)
     rows = [line.split() for line in deck.atoms.lines]
     centre = np.array([[float(v) for v in row[2:5]] for row in rows])
@@ -97,13 +96,11 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
             assert apart > radius[below] + radius[above] + 1e-6
 
 
-def test_radii_shrink_where_a_face_is_soft_up_to_some_softness(
-    stack: scripts.GivenAssembly,
-) -> None:
-    def radii(assembly: scripts.GivenAssembly) -> list[float]:
+def test_radii_shrink_where_a_face_is_soft_up_to_some_softness(stack: GivenAssembly) -> None:
+    def radii(assembly: GivenAssembly) -> list[float]:
         return flat_radii(assembly, patches(assembly), 1.0)
 
-    def softened(stiffness: float) -> scripts.GivenAssembly:
+    def softened(stiffness: float) -> GivenAssembly:
         soft = replace(stack.faces[0].material, normal_stiffness=stiffness)
         return replace(stack, faces=[replace(stack.faces[0], material=soft), stack.faces[1]])
 
@@ -161,23 +158,23 @@ def shifted(*far: float) -> list[PieceMotion]:
     ("ways", "falls"), [((1, 3, 6, 10, 15), True), ((5, 9, 12, 14, 14.1), False)]
 )
 def test_what_has_moved_far_falls_if_it_gains_speed(
-    stack: scripts.GivenAssembly, ways: tuple[float, ...], falls: bool
+    stack: GivenAssembly, ways: tuple[float, ...], falls: bool
 ) -> None:
     fall = Fall(stack, 1e-2, [STILL] * 3)
     seen = [fall.sees(shifted(0.0, 0.0, 1e-3 * way), 10) for way in ways]
     assert seen == [False] * 4 + [falls]
 
 
-def test_motions_count_from_the_last_equilibrium(stack: scripts.GivenAssembly) -> None:
+def test_motions_count_from_the_last_equilibrium(stack: GivenAssembly) -> None:
     assert not Fall(stack, 1e-2, shifted(0.0, 0.5, 0.5)).sees(shifted(0.0, 0.5, 0.509), 10)
 
 
-def test_a_spin_about_the_centroid_is_a_motion(stack: scripts.GivenAssembly) -> None:
+def test_a_spin_about_the_centroid_is_a_motion(stack: GivenAssembly) -> None:
     spun = [STILL, STILL, PieceMotion((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))]
     assert Fall(stack, 1e-2, [STILL] * 3).sees(spun, 10)
 
 
-def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: scripts.GivenAssembly) -> None:
+def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: GivenAssembly) -> None:
     sideways = [STILL, STILL, PieceMotion((0.0, 0.02, 0.0), (0.0, 0.0, 0.0))]
     for motions, outcome in ((shifted(0.0, 0.0, 0.02), "collapse"), (sideways, "drift")):
         fall = Fall(stack, 1e-2, [STILL] * 3)
@@ -186,9 +183,7 @@ def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: scripts.GivenAss
 
 
 @pytest.mark.parametrize("nowhere", [math.nan, math.inf])
-def test_a_motion_that_is_no_number_ends_the_run(
-    stack: scripts.GivenAssembly, nowhere: float
-) -> None:
+def test_a_motion_that_is_no_number_ends_the_run(stack: GivenAssembly, nowhere: float) -> None:
     with pytest.raises(SystemExit, match="diverged"):
         Fall(stack, 1e-2, [STILL] * 3).sees(shifted(0.0, 0.0, nowhere), 10)
 
@@ -198,7 +193,7 @@ def test_a_point_moves_on_a_circle_however_far_its_piece_turns() -> None:
     assert moved((3.0, 0.0, 0.0), (1.0, 0.0, 0.0), quarter) == pytest.approx([-2.0, 2.0, 1.0])
 
 
-def test_vertices_past_the_edge_of_a_side_have_left_it(stack: scripts.GivenAssembly) -> None:
+def test_vertices_past_the_edge_of_a_side_have_left_it(stack: GivenAssembly) -> None:
     def lost(*far: float) -> list[int]:
         return Surroundings(stack).look(shifted(*far))
 
@@ -211,7 +206,7 @@ def test_vertices_past_the_edge_of_a_side_have_left_it(stack: scripts.GivenAssem
     assert lost(0.0, width, width) != upper  # they move as one
 
 
-def test_small_motions_that_add_up_are_seen(stack: scripts.GivenAssembly) -> None:
+def test_small_motions_that_add_up_are_seen(stack: GivenAssembly) -> None:
     around, width = Surroundings(stack), max(node.position_m[0] for node in stack.nodes) * 2
     steps = 1 + int(width / 2 / (0.6 * LOOK * stack.length_m))
     lost = [
@@ -232,7 +227,7 @@ def test_small_motions_that_add_up_are_seen(stack: scripts.GivenAssembly) -> Non
 
 
 @pytest.fixture
-def row() -> scripts.GivenAssembly:
+def row() -> GivenAssembly:
     """Two blocks side by side on the ground, with a gap of 0.05 m along x."""
     ground = box("ground", (-1.0, -1.0, -0.2), (1.0, 1.0, 0.0), 2e3, fixed=True)
     ends = {"left": (-0.25, 0.0), "right": (0.05, 0.3)}
@@ -241,9 +236,7 @@ def row() -> scripts.GivenAssembly:
     return as_read(model, acceleration(model, (1.0, 0.0, 0.0)))
 
 
-def test_blocks_without_an_interface_meet_where_the_gap_between_them_has_closed(
-    row: scripts.GivenAssembly,
-) -> None:
+def test_blocks_without_an_interface_meet_where_their_gap_has_closed(row: GivenAssembly) -> None:
     met = "left meets right, where they had no interface"
     closed = 0.05 + MET * row.length_m
     assert meeting(row, shifted(0.0, 0.99 * closed, 0.0), row.nodes) is None
@@ -256,9 +249,7 @@ def test_blocks_without_an_interface_meet_where_the_gap_between_them_has_closed(
         assert meeting(row, [STILL, turned, STILL], row.nodes) == expected
 
 
-def test_a_block_that_sinks_into_another_where_it_has_lost_its_contacts_meets_it(
-    row: scripts.GivenAssembly,
-) -> None:
+def test_a_block_that_sinks_where_it_lost_its_contacts_meets_another(row: GivenAssembly) -> None:
     leaning = PieceMotion((0.0, 0.0, 0.0), (0.0, 0.2, 0.0))
     lost = range(len(row.nodes))
     met = "ground meets left, beyond their interface"
@@ -309,7 +300,7 @@ def test_between_two_corners_the_flat_side_is_the_fixed_ones() -> None:
 
 # --- records -------------------------------------------------------------------------------------
 def test_results_are_written_with_stresses_mode_and_engine(
-    three: scripts.GivenAssembly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    three: GivenAssembly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     history = History(three, time_steps=7)

@@ -41,9 +41,7 @@ def found(
 
 
 # --- a single face -------------------------------------------------------------------------------
-def test_one_inner_face_alone_fails_at_T0_in_pure_shear(
-    engine: str, joint: Joint, tmp_path: Path
-) -> None:
+def test_an_inner_face_fails_at_T0_in_pure_shear(engine: str, joint: Joint, tmp_path: Path) -> None:
     model = block_on_ground(joint, Kind.INNER, mesh=0.02)
     loads = load_on_block(model, (0.0, 1.0, 0.0), 0.0)
     result = found(engine, tmp_path, Problem(model, loads))
@@ -53,9 +51,7 @@ def test_one_inner_face_alone_fails_at_T0_in_pure_shear(
     assert (result["engine"], result["engine_version"]) == (engine, ENGINES[engine].version())
 
 
-def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(
-    engine: str, joint: Joint, tmp_path: Path
-) -> None:
+def test_a_face_fails_at_its_elastic_torque(engine: str, joint: Joint, tmp_path: Path) -> None:
     # 3 x 3 nodes: when the corners fail, what is left carries less, so first failure is the peak.
     model = block_on_ground(joint, Kind.INNER, mesh=0.02)
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
@@ -68,9 +64,7 @@ def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(
     assert magnitude / magnitude.max() == pytest.approx(arm / arm.max(), abs=2e-3)
 
 
-def test_a_dry_block_slides_at_friction_times_its_weight(
-    engine: str, joint: Joint, tmp_path: Path
-) -> None:
+def test_a_block_slides_at_friction_times_weight(engine: str, joint: Joint, tmp_path: Path) -> None:
     model = block_on_ground(replace(joint, density=1e6), Kind.DRY, mesh=0.02)
     limit = joint.dry.friction * model.pieces[1].weight
     loads = load_on_block(model, (0.0, 1.0, 0.0), 0.0)
@@ -146,9 +140,7 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, float("inf")])
-def test_every_piece_is_in_equilibrium_under_its_stresses(
-    engine: str, run, eccentricity: float
-) -> None:
+def test_stresses_balance_every_piece(engine: str, run, eccentricity: float) -> None:
     result = run(a_case(engine, Joint(3), Loading(Direction(eccentricity)), mesh=0.02))
     assert result.unbalanced_share < 0.0075
 
@@ -177,9 +169,7 @@ def test_the_history_has_load_displacement_shear_and_breakage(engine: str, run) 
 
 
 @pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 0.2), (3, float("inf"))])
-def test_the_static_model_finds_the_same_peak_and_weights(
-    engine: str, run, locks: int, eccentricity: float
-) -> None:
+def test_the_static_model_finds_the_same(engine: str, run, locks: int, eccentricity: float) -> None:
     joint = Joint(locks)
     result = run(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02))
     peak = static_peak(*loaded(joint, eccentricity, 0.02)).peak
@@ -216,9 +206,7 @@ def test_joints_of_other_kinds_have_the_static_models_peak_and_weights(
 
 
 @pytest.mark.parametrize("times", [1.0, 100.0])
-def test_a_column_that_breaks_off_stands_only_where_it_turns_little(
-    engine: str, run, times: float
-) -> None:
+def test_a_broken_column_stands_only_where_it_turns_little(engine: str, run, times: float) -> None:
     # With the usual stiffness it turns by 8 degrees in the static model's next equilibrium.
     inner, dry = (
         replace(law, normal_stiffness=times * 1e10, shear_stiffness=times * 1e10)

@@ -75,9 +75,7 @@ def test_a_run_that_ends_badly_leaves_no_result(tmp_path: Path, text: str, messa
     assert not list(folder.glob("running-*"))
 
 
-def test_a_script_that_gives_a_reason_is_distinguished_from_one_that_crashes(
-    tmp_path: Path,
-) -> None:
+def test_a_script_that_gives_a_reason_is_told_from_one_that_crashes(tmp_path: Path) -> None:
     text = "from engines.scripts.records import NoAnswerError\nraise NoAnswerError('it drifts off')"
     folder = folder_with(tmp_path, text)
     shutil.copytree(MODULES / "scripts", folder / MODULES.name / "scripts")
@@ -155,8 +153,6 @@ DUCTILE, BENDS = {"failure": Failure.DUCTILE}, {"elastic": Elastic(1e10)}
         ("calculix", BENDS | DUCTILE, "ductile"),
     ],
 )
-def test_an_engine_says_why_it_cannot_compute_a_joint(
-    engine: str, joint: dict[str, Any], words: str
-) -> None:
+def test_an_engine_says_what_it_cannot_do(engine: str, joint: dict[str, Any], words: str) -> None:
     said = refusal(ENGINES[engine], loaded(Joint(3, **joint)).assembly)
     assert said is None if not words else words in str(said)

@@ -98,9 +98,7 @@ def test_thirty_presses_of_a_key_end_in_the_joint_that_they_chose(opened: Opened
     assert page.evaluate("window.posts") - posts <= 2 * 26  # from 5 locks to 31
 
 
-def test_a_joint_that_cannot_be_computed_is_not_shown_as_if_it_were(
-    opened: Opened, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_computation_is_not_shown(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(state: Settings) -> Answers:
         raise ArithmeticError("no matrix")
 
@@ -127,9 +125,7 @@ def test_a_server_that_was_stopped_is_reported(browser: Browser) -> None:
     page.close()
 
 
-def test_a_link_beyond_the_sliders_shows_the_joint_and_says_so(
-    browser: Browser, served: Served
-) -> None:
+def test_a_link_beyond_the_sliders_is_shown_at_their_ends(browser: Browser, served: Served) -> None:
     page = opened_at(browser, f"{served.url}/?locks=999").page
     assert "locks: 999 is outside 2 to 31; 31 is shown." in (page.text_content("#notes") or "")
     assert (page.text_content("#words") or "").startswith("31 locks, ")
@@ -267,14 +263,12 @@ def test_a_drag_is_one_step_and_text_in_a_field_has_an_undo_of_its_own(opened: O
 
 # --- both pages ----------------------------------------------------------------------------------
 @pytest.mark.parametrize(
-    ("path", "parts"), [("/", ".modebar-btn"), ("/structures", "#structure option")]
+    ("path", "part"), [("/", ".modebar-btn"), ("/structures", "#structure option")]
 )
-def test_nothing_leaves_the_machine(
-    browser: Browser, served: Served, path: str, parts: str
-) -> None:
+def test_nothing_leaves_the_machine(browser: Browser, served: Served, path: str, part: str) -> None:
     opened = opened_at(browser, f"{served.url}{path}")
     assert leaving_in_html(served.get(path).text) == []
-    assert opened.page.locator(parts).count() >= len(EXAMPLES)
+    assert opened.page.locator(part).count() >= len(EXAMPLES)
     assert leaving_in_browser(opened.page) == []
     assert all(url.startswith((served.url, "data:", "blob:")) for url in opened.requests)
     assert opened.errors == []
@@ -291,9 +285,7 @@ NARROW = {"viewport": {"width": 380, "height": 800}}
         *(("/structures?structure=keyed", each) for each in ({}, {"color_scheme": "dark"}, NARROW)),
     ],
 )
-def test_everyone_can_read_it(
-    browser: Browser, served: Served, path: str, window: dict[str, Any]
-) -> None:
+def test_everyone_can_read_it(browser: Browser, served: Served, path: str, window: Any) -> None:
     """What an automatic check of accessibility can see."""
     page = opened_at(browser, f"{served.url}{path}", **window).page
     found = Axe().run(page)

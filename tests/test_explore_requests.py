@@ -72,9 +72,7 @@ def test_a_post_has_only_values_of_the_sliders(
     ],
 )
 @pytest.mark.parametrize("path", ["/answer", "/curve"])
-def test_a_post_that_the_page_would_not_send_is_refused(
-    served: Served, path: str, body: str
-) -> None:
+def test_a_post_that_no_page_would_send_is_refused(served: Served, path: str, body: str) -> None:
     found = served.post(path, body)
     assert found.status == 400
     assert found.text.startswith("400 Bad Request: ") and found.text.count("\n") == 1
@@ -138,9 +136,7 @@ def test_no_page_may_frame_it(served: Served, path: str) -> None:
 
 
 # --- what is superseded --------------------------------------------------------------------------
-def test_of_many_requests_the_first_and_the_last_are_computed(
-    served: Served, computed: list[int]
-) -> None:
+def test_of_many_requests_first_and_last_are_computed(served: Served, computed: list[int]) -> None:
     """The first is being computed when the others come; the last is what the page wants."""
     status: dict[int, int] = {}
 

@@ -71,9 +71,7 @@ def test_a_link_holds_the_whole_state() -> None:
         ({"azimuth": float("nan")}, "azimuth: 'float' is not a number; 0 is shown."),
     ],
 )
-def test_what_the_page_does_not_allow_is_brought_to_it_with_a_note(
-    given: dict[str, object], note: str
-) -> None:
+def test_what_is_not_allowed_is_changed_with_a_note(given: dict[str, object], note: str) -> None:
     found = checked_choice(given)
     assert len(found.notes) == 1
     assert found.notes[0].startswith(note)
@@ -203,9 +201,7 @@ def test_of_load_cases_the_one_that_governs_opens(served: Served) -> None:
         ("{", "not YAML"),
     ],
 )
-def test_a_file_of_something_else_is_refused_in_one_line(
-    served: Served, text: str, error: str
-) -> None:
+def test_a_file_of_other_things_is_refused_in_a_line(served: Served, text: str, error: str) -> None:
     found = send(served, x_yaml=text).content
     assert found["page"] is None
     assert error in found["error"]

@@ -105,9 +105,7 @@ def test_the_address_opens_the_same_structure(opened: Opened, browser: Browser) 
     again.close()
 
 
-def test_variants_of_a_structure_are_compared_undone_and_shared(
-    opened: Opened, browser: Browser
-) -> None:
+def test_variants_are_compared_undone_and_shared(opened: Opened, browser: Browser) -> None:
     page = opened.page
     page.click("#keep")
     choose(page, "friction", "0.4")

@@ -145,9 +145,7 @@ def test_digits_that_a_loose_piece_costs_are_won_back() -> None:
     assert np.abs(found - anew(matrix + 1e-12 * np.eye(3), one)).max() < 1e-11
 
 
-def test_no_gap_and_nothing_but_gaps_are_no_error_of_the_linear_algebra(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_no_gap_and_nothing_but_gaps_are_no_error(capfd: pytest.CaptureFixture[str]) -> None:
     """LAPACK prints its errors itself, about a matrix of no rows too."""
     matrix = influence()
     for first, then in ((True, False), (False, True)):

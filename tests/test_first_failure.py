@@ -76,9 +76,7 @@ def test_where_nothing_can_tilt_the_load_is_the_closed_form(locks: int) -> None:
 
 @settings(max_examples=10, deadline=None)
 @given(st.floats(-3, 3), st.floats(-4, 4), st.sampled_from(DIRECTIONS))
-def test_the_first_failure_scales_with_strength_and_area(
-    size: float, strength: float, eccentricity: float
-) -> None:
+def test_strength_and_area_scale_loads(size: float, strength: float, eccentricity: float) -> None:
     plain = joint_of(5)
     larger = scaled(plain, 10.0**size, 10.0**strength)
     loads = [failure(each, eccentricity).load / each.T0 for each in (plain, larger)]

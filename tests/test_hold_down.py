@@ -54,9 +54,7 @@ def test_what_is_given_acts_evenly_on_the_top(
 # --- sliding and rocking of a single piece, by hand ----------------------------------------------
 @settings(max_examples=10)
 @given(st.floats(0.1, 0.6), st.floats(0.0, 300.0), st.sampled_from(Side))
-def test_one_lock_alone_slides_at_friction_times_what_presses_it(
-    friction: float, force: float, first: Side
-) -> None:
+def test_one_lock_slides_by_what_presses_it(friction: float, force: float, first: Side) -> None:
     joint = Joint(1, first=first, dry=replace(DRY, friction=friction))
     joint = replace(joint, hold_down=HoldDown.force(force))
     height = joint.H + (joint.h if first is Side.UPPER else 0.0)
