@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_results import capacity_of, record_with, tables_of
+from small import merged
 
 from analysis.published import read_published
 from analysis.summary.summary import summary
@@ -35,9 +36,7 @@ from workflow.schema import Study
 
 @pytest.fixture
 def study() -> Study:
-    return read_study(
-        {"samples": {"n3": {"locks": 3}}, "meshes": [0.02], "eccentricities": [0, 0.5, "torsion"]}
-    )
+    return read_study(merged(meshes=[0.02], eccentricities=[0, 0.5, "torsion"]))
 
 
 @pytest.fixture

@@ -72,9 +72,7 @@ def test_a_pit_that_pierces_another_face_is_refused() -> None:
     pierced = (*BLOCK.vertices, (0.2, 0.3, -0.2))
     top = next(number for number, normal in enumerate(BLOCK.normals) if normal[2] > 0.9)
     around = BLOCK.faces[top]
-    sides = [
-        (one, next_one, 8) for one, next_one in zip(around, (*around[1:], around[0]), strict=True)
-    ]
+    sides = [(a, b, 8) for a, b in zip(around, (*around[1:], around[0]), strict=True)]
     faces = (*BLOCK.faces[:top], *BLOCK.faces[top + 1 :], *sides)
     with pytest.raises(ValueError, match=r"block: faces . and . must not cross each other"):
         replace(BLOCK, vertices=pierced, faces=faces)

@@ -91,11 +91,14 @@ def test_a_body_with_a_groove_keeps_its_faces_one_with_a_hole_its_volume(tmp_pat
     assert block.volume == pytest.approx(ring.volume, rel=1e-6)
 
 
-@pytest.mark.parametrize("file", ["low.obj", "*.obj"])
-def test_a_pattern_that_fits_one_file_is_that_file(file: str, tmp_path: Path) -> None:
+def test_all_files_that_fit_a_pattern_are_blocks(tmp_path: Path) -> None:
     write(tmp_path / "low.obj", [LOW])
-    (block,) = FileSection(file=file, fixed=True).blocks("b", tmp_path)
-    assert (block.name, block.fixed) == ("b", True)
+    for file in ("low.obj", "*.obj"):
+        (block,) = FileSection(file=file, fixed=True).blocks("b", tmp_path)
+        assert (block.name, block.fixed) == ("b", True)
+    write(tmp_path / "high.obj", [HIGH])
+    blocks = FileSection(file="*.obj", fixed=["low"]).blocks("b", tmp_path)
+    assert [(block.name, block.fixed) for block in blocks] == [("b-high", False), ("b-low", True)]
 
 
 def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Path) -> None:

@@ -96,9 +96,8 @@ def test_loads_rise_whatever_is_carried_and_follow_from_the_time() -> None:
     loads = raised(10.0)
     assert all(0.0 < high - low <= max(10.0, 0.3 * low) for low, high in pairwise([0.0, *loads]))
     assert loads[-1] >= 1e7
-    assert [load_at(t, loads) for t in (0.5, 1.0, 1.5, 2.0, 2.25)] == pytest.approx(
-        [0.0, 0.0, 5.0, 10.0, 12.5]
-    )
+    found = [load_at(time, loads) for time in (0.5, 1.0, 1.5, 2.0, 2.25)]
+    assert found == pytest.approx([0.0, 0.0, 5.0, 10.0, 12.5])
 
 
 # --- what it can do ------------------------------------------------------------------------------

@@ -119,9 +119,8 @@ def test_the_command_takes_a_model_as_it_is_and_laws_from_a_file_beside_it(
     path.write_text(json.dumps(content()))
     limit = answers("assembly", str(path))[0]
     assert limit["load / weight"] == pytest.approx(0.4)  # it overturns
-    path.with_suffix(".yaml").write_text(
-        "interfaces: {friction: 0.3}\nload: {tilt: {axis: [0, 1, 0]}}"
-    )
+    laws = "interfaces: {friction: 0.3}\nload: {tilt: {axis: [0, 1, 0]}}"
+    path.with_suffix(".yaml").write_text(laws)
     limit = answers("assembly", str(path))[0]
     assert limit["tilt (degrees)"] == pytest.approx(math.degrees(math.atan(0.3)))
     path.with_suffix(".yaml").write_text("blocks: {}")
@@ -137,7 +136,9 @@ def test_blocks_of_a_structure_come_from_a_model_in_other_units(path: Path) -> N
     assert (ground.name, cube.name, ground.fixed) == ("vault-0", "vault-3", True)
     assert cube.mass == pytest.approx(1e-3 * 2500 * CUBE.volume)
     given["fixed"] = [7]
-    with pytest.raises(ValueError, match=r"blocks\.vault\.fixed: '7' is not allowed; it must be a"):
+    with pytest.raises(
+        ValueError, match=r"blocks\.vault\.fixed: '7' is not allowed; it must be a node"
+    ):
         structure_of(described, folder=path.parent)
     content["data"]["graph"]["data"]["node"]["3"]["block"]["data"]["face"]["0"] = [1, 2, 3]
     path.write_text(json.dumps(content))

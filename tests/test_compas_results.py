@@ -46,9 +46,8 @@ def test_forces_balance_weight_and_load_and_the_mechanism_overturns(tmp_path: Pa
     assert moment == pytest.approx(np.zeros(3), abs=1e-6 * weight)
     local = [sum(edge[f"force_{k}"]) for k in ("tangent1", "tangent2", "normal")]
     assert edge["resultant_local"] == pytest.approx(local)
-    still, moves = (
-        np.array(data["node_data"][n]["transformation"]["data"]["matrix"]) for n in "03"
-    )
+    nodes = (data["node_data"][node]["transformation"] for node in "03")
+    still, moves = (np.array(each["data"]["matrix"]) for each in nodes)
     assert still == pytest.approx(np.eye(4))
     edge_of_block = np.array([0.4, 0.3, 0.0, 1.0])
     assert moves @ edge_of_block == pytest.approx(edge_of_block, abs=1e-6)  # it turns about it

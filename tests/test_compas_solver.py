@@ -27,9 +27,7 @@ WEIGHT = 2400 * GRAVITY  # of a cube of 1 m
 
 def stack(blocks: int = 2) -> BlockModel:
     """Cubes of 1 m, the lowest of which is a support."""
-    model = BlockModel.from_boxes(
-        [Box(1, 1, 1).translated([0, 0, level]) for level in range(blocks)]
-    )
+    model = BlockModel.from_boxes([Box(1, 1, 1).translated([0, 0, z]) for z in range(blocks)])
     model.add_support(0)
     stone = Stone(fck=20, density=2400, name="granite")
     model.add_material(stone)
@@ -174,7 +172,6 @@ def in_compas(
         model.assign_material(stone, element=model.graph.node_element(node))
     problem = Problem(model)
     problem.set_contact_model("MohrCoulomb", mu=0.1)  # laws say more
-    problem.add_boundary_condition("live").add_global_body_force(
-        *(GRAVITY * part for part in direction)
-    )
+    live = problem.add_boundary_condition("live")
+    live.add_global_body_force(*(GRAVITY * part for part in direction))
     return model, problem, names

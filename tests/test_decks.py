@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import with_subject
+from small import merged
 
 from sidmacib.engines.results import force_to_stress
 from sidmacib.errors import ResultError
@@ -19,9 +20,7 @@ from workflow.configuration import read_study
 from workflow.results import record_of
 from workflow.threedec import INCREMENT, deck, decks, fingerprint, read_returned
 
-STUDY = read_study(
-    {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0, 0.5, "torsion"]}
-)
+STUDY = read_study(merged(meshes=[0.03], eccentricities=[0, 0.5, "torsion"]))
 NUMBER = r"(-?[\d.e+-]+)"
 
 

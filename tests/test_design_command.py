@@ -215,7 +215,11 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
         (("cases", "push", "tilt"), 1, "design.cases.push.tilt: unknown key"),
         (("cases", "push", "force", "block"), "x", "design.cases.push.force.block: 'x' is"),
         (("locks", "width"), 0, "design.locks.width.1: 0 is not allowed"),
-        (("locks", "height"), 0.6, "design.locks.height: 0.6 .* less than 0.6 m, as base is 0.3 m"),
+        (
+            ("locks", "height"),
+            0.6,
+            "design.locks.height: 0.6 .* less than 0.6 m, as base is 0.3 m deep there",
+        ),
         (("locks", "width"), [], "design.locks.width: an empty list"),
         (("locks", "inner"), {"cohesion": 0}, "design.locks.cohesion: 0.0 is not allowed"),
         (

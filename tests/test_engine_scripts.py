@@ -284,9 +284,8 @@ def test_the_piece_whose_corner_a_node_is_brings_the_vertex() -> None:
     assembly = structure([ground, small, slab], dry(0.5))
     above = vertices_above(assembly)
     for number, face in enumerate(assembly.faces):
-        brought = {
-            face.above if one else face.below for one in above[assembly.nodes.face == number]
-        }
+        ends = above[assembly.nodes.face == number]
+        brought = {face.above if end else face.below for end in ends}
         assert brought == {1}
 
 

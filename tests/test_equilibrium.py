@@ -130,9 +130,8 @@ def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembl
     here = point_at(contacts, *nodes, unknowns)
     tangent_stiffness(contacts, *nodes, here, 0.0, rigid_solver.matrix)
     direction = np.random.default_rng(2).normal(size=len(unknowns))
-    after, before = (
-        point_at(contacts, *nodes, unknowns + step * direction).residual for step in (1e-12, -1e-12)
-    )
+    ends = (unknowns + step * direction for step in (1e-12, -1e-12))
+    after, before = (point_at(contacts, *nodes, end).residual for end in ends)
     expected = dense(rigid_solver) @ direction
     found = (before - after) / 2e-12
     assert found == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())

@@ -146,7 +146,11 @@ DUCTILE, BENDS = {"failure": Failure.DUCTILE}, {"elastic": Elastic(1e10)}
     [
         *(("liggghts", {}, ""), ("yade", DUCTILE, ""), ("yade", SOFT, ""), ("calculix", BENDS, "")),
         ("liggghts", DUCTILE, "ductile"),
-        ("yade", {"failure": Failure.SOFTENING}, "no engine models softening bonds; use the stati"),
+        (
+            "yade",
+            {"failure": Failure.SOFTENING},
+            "no engine models softening bonds; use the static model",
+        ),
         ("liggghts", SOFT, "one stiffness"),
         ("yade", BENDS, "only rigid"),
         ("calculix", {}, "only elastic"),

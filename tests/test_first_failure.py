@@ -51,14 +51,11 @@ def test_the_lower_locks_carry_the_load(locks: int, eccentricity: float, body: U
     )
 
 
-@pytest.mark.parametrize("body", BODIES)
-def test_three_locks_carry_one_in_pure_shear(body: UpperBody) -> None:
-    joint = joint_of(3, upper_body=body)
-    assert failure(joint).load == pytest.approx(joint.T0, rel=1e-6)
-
-
-def test_one_pair_in_torsion_carries_what_a_lock_does_at_its_corner() -> None:
-    """T0 sqrt(a2 + b2) / 6: the elastic torque of a rectangle of rigid ends, over its corner."""
+def test_three_locks_carry_what_one_does() -> None:
+    """In torsion T0 sqrt(a2 + b2) / 6: the elastic torque of a rectangle, at its corner."""
+    for body in BODIES:
+        joint = joint_of(3, upper_body=body)
+        assert failure(joint).load == pytest.approx(joint.T0, rel=1e-6)
     joint = joint_of(3)
     lock = joint.T0 * math.hypot(joint.a, joint.b) / 6.0
     assert failure(joint, math.inf).load * joint.a == pytest.approx(lock, rel=1e-6)

@@ -130,9 +130,3 @@ def test_sidmacib_rocks_about_the_last_locks_centreline(locks: int, force: float
     moment = (weight * (locks - 0.5 - place) + force * (locks / 2 - 0.5)) * joint.b
     found = capacity(Sidmacib(joint, OPTIONS["option4"]), Direction(0.0))
     assert found.load == pytest.approx(moment / (height - joint.h / 2), rel=1e-6)
-
-
-def test_two_amounts_at_once_are_refused_with_what_is_allowed() -> None:
-    words = r"a mapping of 'force', 'pressure' is not allowed; it must be plate, weight, \{force: "
-    with pytest.raises(ValueError, match=words):
-        HoldDown.read({"force": 500.0, "pressure": 1e4})
