@@ -28,7 +28,7 @@ from structures import WITH_STRUCTURES
 from sidmacib import Assembly, FaceMaterial, Joint, Loading, Loads, NodeLayout
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import assembly_data, engine_material
-from sidmacib.engines.run import EngineError
+from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.pieces import lock_faces, shared_face
@@ -37,6 +37,7 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.mechanics.newton import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
+from sidmacib.problem import Problem
 from workflow import engine as engine_step
 from workflow.case import Case, JointCase, JointSubject
 from workflow.command import snakemake, snakemake_command
@@ -130,6 +131,26 @@ def load_on_block(assembly: Assembly, force: tuple[float, float, float], moment_
     return Loads(self_weight(assembly.pieces), variable, Joint(3).T0)
 
 
+def run_guided(
+    name: str, problem: Problem, numerics: Numerics, folder: Path, time_limit: float
+) -> None:
+    """Run an engine as a study does, from the loads of the static model."""
+    engine_outcome(ENGINES[name], problem, numerics, "what is tested", folder, time_limit)
+
+
+@pytest.fixture
+def run_block(tmp_path: Path) -> Callable[..., Path]:
+    """Search the peak of a block on the ground; returns the folder of the results."""
+
+    def run(name: str, assembly: Assembly, loads: Loads) -> Path:
+        folder = tmp_path / "block"
+        problem, numerics = Problem(assembly, loads), Numerics(tolerance=5e-4)
+        run_guided(name, problem, numerics, folder, 120)
+        return folder
+
+    return run
+
+
 @dataclass(frozen=True)
 class CaseResult:
     """The results of an engine for a case: its record and its tables."""
@@ -140,6 +161,7 @@ class CaseResult:
     history: pd.DataFrame
 
     peak_load = property(lambda self: self.record.load_N)
+    shear = property(lambda self: self.record.part.shear_N)
     failed_load = property(lambda self: self.record.failed_load_N)
     first_failure_load = property(lambda self: self.record.first_failure_load_N)
     unbalanced_share = property(lambda self: self.record.unbalanced_share)

@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from command_runner import answers
-from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case
+from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case, run_guided
 from joints import loaded
 from stack import overturning, tilted_stack
 
 from sidmacib import Loading, static_peak
 from sidmacib.engines import ENGINES, Numerics
-from sidmacib.engines.run import OUTPUTS, EngineError, engine_outcome
+from sidmacib.engines.run import OUTPUTS, EngineError
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.mechanics.assembly import Kind, NodeLayout
@@ -34,9 +34,7 @@ def engine(request: pytest.FixtureRequest) -> str:
 def found(
     engine: str, folder: Path, problem: Problem, numerics: Numerics | None = None
 ) -> dict[str, Any]:
-    """What an engine finds that runs as in a study, from the loads of the static model."""
-    given = numerics or Numerics(tolerance=5e-4)
-    engine_outcome(ENGINES[engine], problem, given, "what is tested", folder, 300)
+    run_guided(engine, problem, numerics or Numerics(tolerance=5e-4), folder, 300)
     return dict(json.loads((folder / RESULT).read_text()))
 
 
