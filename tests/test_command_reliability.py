@@ -74,9 +74,7 @@ def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
         (["-m", "law"], "400N", "the law"),
     ],
 )
-def test_capacity_says_whether_a_joint_carries_a_load_as_joint_does(
-    options: list[str], shear: str, by: str, tmp_path: Path
-) -> None:
+def test_capacity_answers_as_joint(options: list[str], shear: str, by: str, tmp_path: Path) -> None:
     words = [*GIVEN[:-2], *options, "-V", shear, "-e", "0.3"]
     found = command("capacity", *words)
     verdict, *_ = found.output.splitlines()

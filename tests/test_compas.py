@@ -113,9 +113,7 @@ def test_blocks_of_a_group_are_where_it_is(path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [assembly, model])
-def test_the_command_takes_a_model_as_it_is_and_laws_from_a_file_beside_it(
-    path: Path, content: Callable[[], dict[str, Any]]
-) -> None:
+def test_a_model_has_laws_beside_it(path: Path, content: Callable[[], dict[str, Any]]) -> None:
     path.write_text(json.dumps(content()))
     limit = answers("assembly", str(path))[0]
     assert limit["load / weight"] == pytest.approx(0.4)  # it overturns

@@ -156,9 +156,7 @@ def compared(page: Page) -> dict[str, list[str]]:
     return {name: cells for name, *cells in lines}
 
 
-def test_two_joints_stand_beside_each_other_and_the_address_brings_both_back(
-    opened: Opened, browser: Browser, served: Served
-) -> None:
+def test_joints_are_compared_and_shared(opened: Opened, browser: Browser, served: Served) -> None:
     page = opened.page
     assert not page.is_visible("#kept")
     page.click("#keep")

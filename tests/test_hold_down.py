@@ -71,9 +71,7 @@ def test_one_lock_slides_by_what_presses_it(friction: float, force: float, first
 
 @settings(max_examples=10)
 @given(st.floats(0.06, 1.0), st.floats(0.0, 5e3), st.sampled_from([0.01, 0.02]))
-def test_a_tall_joint_that_is_pushed_at_half_its_height_tips_about_its_outermost_nodes(
-    H: float, force: float, mesh: float
-) -> None:
+def test_a_tall_joint_tips_about_its_outermost_nodes(H: float, force: float, mesh: float) -> None:
     tough = replace(INNER, tensile_strength=1e9, cohesion=1e9)
     joint = Joint(1, H=H, density=1e5, inner=tough, dry=replace(DRY, friction=3.0))
     joint = replace(joint, hold_down=HoldDown.force(force))
