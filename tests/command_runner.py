@@ -13,7 +13,7 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(main, list(arguments))
 
 
-def answers(*arguments: str) -> list[dict[str, object]]:
+def answers(*arguments: str) -> list[dict[str, Any]]:
     found = run(*arguments, "--format", "json")
     assert found.exit_code == 0, found.output
     return list(json.loads(found.stdout))

@@ -27,7 +27,9 @@ from structures import WITH_STRUCTURES
 
 from sidmacib import Assembly, FaceMaterial, Joint, Loading, Loads, NodeLayout
 from sidmacib.engines import ENGINES, Numerics
+from sidmacib.engines.render import assembly_data, engine_material
 from sidmacib.engines.run import EngineError, engine_outcome
+from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.pieces import lock_faces, shared_face
 from sidmacib.mechanics.assembly import Cuboid, Floats, Kind
@@ -112,6 +114,14 @@ def scaled(joint: Joint, length: float, stress: float) -> Joint:
     sizes = {name: length * getattr(joint, name) for name in ("a", "b", "h", "H")}
     density = stress / length * joint.density
     return replace(joint, **sizes, density=density, inner=of(joint.inner), dry=of(joint.dry))
+
+
+def as_read(assembly: Assembly, loads: Loads) -> GivenAssembly:
+    """What a script of an engine reads of an assembly."""
+    data = json.loads(json.dumps(assembly_data(assembly, loads)))
+    names = [face["material"] for face in data["faces"]]
+    laws = zip(names, assembly.faces, strict=True)
+    return assembly_of(data, {name: engine_material(face.material) for name, face in laws})
 
 
 def load_on_block(assembly: Assembly, force: tuple[float, float, float], moment_z: float) -> Loads:
@@ -237,6 +247,17 @@ def broken_python(tmp_path: Path) -> Path:
     )
     path.chmod(0o755)
     return path
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[Any]:
+    """The explorer, on a free port."""
+    from explorer import explorer  # noqa: PLC0415 - few tests need it
+
+    with explorer() as found:
+        found.ask({})  # compiled
+        found.post("/structure", {"page": "compiled", "number": 1, "values": {}})
+        yield found
 
 
 @pytest.fixture(scope="session")

@@ -18,14 +18,11 @@ KIND = LockKind((0.05,), 0.02, INNER, DRY)
 T1 = 8e4 * 0.05 * 0.4  # N, a lock along x in the face of `two_blocks`
 
 
+BASE = box("base", (0.0, 0.0, -0.3), (0.4, 0.6, 0.0), 2e3, fixed=True)
+
+
 def two_blocks(friction: float = FRICTION) -> Assembly:
-    return structure(
-        [
-            box("base", (0.0, 0.0, -0.3), (0.4, 0.6, 0.0), 2e3, fixed=True),
-            box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3),
-        ],
-        dry(friction),
-    )
+    return structure([BASE, box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3)], dry(friction))
 
 
 def design_on(
@@ -52,7 +49,7 @@ def pushed(assembly: Assembly, load: float, along: Vector = (0.0, 1.0, 0.0)) -> 
 def stack() -> list[Block]:
     """Two blocks on a base."""
     return [
-        box("base", (0.0, 0.0, -0.3), (0.4, 0.6, 0.0), 2e3, fixed=True),
+        BASE,
         box("lower", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3),
         box("upper", (0.0, 0.0, 0.3), (0.4, 0.6, 0.6), 2e3),
     ]

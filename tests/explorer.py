@@ -1,4 +1,4 @@
-"""The explorer as its tests serve it, and requests to it as anything may send them."""
+"""The explorer as tests serve it, requests to it as anything may send them, and its pages."""
 
 import json
 import threading
@@ -7,6 +7,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from http.client import HTTPConnection
 from typing import Any
+
+from chromium import PATIENCE, Opened
+from offline import WATCH
+from playwright.sync_api import Browser, Page, expect
 
 from analysis.explore.app import LOOPBACK, serve
 
@@ -73,3 +77,27 @@ def explorer() -> Iterator[Served]:
         server.shutdown()
         thread.join()
         server.server_close()
+
+
+def opened_at(browser: Browser, address: str, *scripts: str, **window: Any) -> Opened:
+    """A page of the explorer, with ``scripts`` from its beginning on."""
+    page = browser.new_page(**({"viewport": {"width": 1400, "height": 900}} | window))
+    found = Opened(page)
+    for script in (WATCH, *scripts):
+        page.add_init_script(script)
+    page.goto(address)
+    settle(page)
+    return found
+
+
+def settle(page: Page) -> None:
+    """Wait until numbers and curve are of the sliders."""
+    for part in page.locator("#answer, #curve").all():
+        expect(part).to_have_attribute("aria-busy", "false", timeout=PATIENCE)
+
+
+def choose(page: Page, name: str, value: str) -> None:
+    """Type a value beside its slider."""
+    page.fill(f"#{name}-value", value)
+    page.keyboard.press("Tab")
+    settle(page)

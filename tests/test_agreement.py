@@ -30,14 +30,8 @@ WORDS = "disagrees with the static model: "
         (1140.0, None, ""),
     ],
 )
-def test_what_differs_by_more_than_a_tenth_is_said(
-    peak: float | None, first: float | None, words: str
-) -> None:
+def test_more_than_a_tenth_is_said(peak: float | None, first: float | None, words: str) -> None:
     assert disagreement(peak, first, STATIC) == (words and f"{WORDS}{words}")
-
-
-def test_a_load_that_is_not_known_is_not_compared() -> None:
-    assert disagreement(300.0, 300.0, Failures(math.nan, 310.0)) == ""
 
 
 def cases(load: float) -> pd.DataFrame:
@@ -59,7 +53,8 @@ def test_a_study_names_engines_that_disagree() -> None:
     assert entry["text"].endswith(f"1 of them disagree, such as n3: YADE {words}.")
 
 
-def test_a_study_whose_engines_agree_says_nothing_of_it() -> None:
+def test_where_engines_agree_or_a_load_is_not_known_nothing_is_said() -> None:
+    assert disagreement(300.0, 300.0, Failures(math.nan, 310.0)) == ""
     assert disagreements(cases(1140.0)) == []
     assert not any("disagree" in line for line in _disagreements(cases(1140.0)))
     assert "disagree" not in _agreement(cases(1140.0))[0]["text"]

@@ -157,15 +157,6 @@ def test_a_lock_in_a_pocket_of_a_larger_block_has_the_gap_all_around() -> None:
     assert base.manifold.min_gap(block.manifold, 1.0) == pytest.approx(1e-3, rel=1e-6)
 
 
-def test_clearance_takes_its_volume_from_the_flanks_alone() -> None:
-    joint, c = Joint(5), 5e-4
-    before, after = (made(joint_blocks(joint), each) for each in (NO_GAPS, Clearance(c)))
-    # Of four flanks each of two locks gives way by half of the clearance.
-    for one, other in zip(before, after, strict=True):
-        lost = 4 * joint.a * joint.h * c / 2
-        assert one.volume - other.volume == pytest.approx(lost, rel=1e-6)
-
-
 def test_condensed_locks_are_the_same_solids() -> None:
     description = read_yaml(ROOT / "studies/structures/keyed.yaml")
     condensed = {**description["locks"][0], "condensed": {}}
@@ -176,20 +167,20 @@ def test_condensed_locks_are_the_same_solids() -> None:
 
 
 @pytest.mark.parametrize(
-    ("clearance", "words"),
+    ("joint", "clearance", "words"),
     [
-        (Clearance(0.06), "lock 2 of lower and upper: a clearance of 0.06 m leaves nothing of it"),
-        (Clearance(0.0, 0.01), "leaves nothing of it"),
+        (
+            Joint(5),
+            Clearance(0.06),
+            "lock 2 of lower and upper: a clearance of 0.06 m leaves nothing of it",
+        ),
+        (Joint(5), Clearance(0.0, 0.01), "leaves nothing of it"),
+        (Joint(3, different={2: OwnLock(density=1e3)}), NO_GAPS, "lock 2: density: 1000"),
     ],
 )
-def test_a_clearance_that_leaves_no_lock_is_refused(clearance: Clearance, words: str) -> None:
+def test_what_cannot_be_built_is_refused(joint: Joint, clearance: Clearance, words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        made(joint_blocks(Joint(5)), clearance)
-
-
-def test_a_lock_of_another_density_is_refused() -> None:
-    with pytest.raises(ValueError, match="different: lock 2: density: 1000"):
-        joint_blocks(Joint(3, different={2: OwnLock(density=1000.0)}))
+        made(joint_blocks(joint), clearance)
 
 
 def test_blocks_that_differ_only_in_place_are_one_kind() -> None:
@@ -209,10 +200,6 @@ def test_a_turned_block_is_of_the_same_kind_and_a_mirror_image_of_another() -> N
         blocks.append(Block(name, places, tuple(faces), 2000.0))
     names = [[each.name for each in kind.solids] for kind in kinds(solids(blocks, {}))]
     assert names == [["one", "turned"], ["mirrored"]]
-
-
-def test_kinds_have_letters() -> None:
-    assert [letters(number) for number in (0, 25, 26, 701, 702)] == ["A", "Z", "AA", "ZZ", "AAA"]
 
 
 def test_a_package_of_3mf_has_the_unit_the_names_and_the_same_bytes_each_time() -> None:
@@ -255,13 +242,13 @@ def test_a_sheet_has_every_size_of_the_joint() -> None:
     assert {"Kind A", "clearance", "joint to upper: 5 locks"} <= words
 
 
-def test_numbers_of_dimensions_are_short() -> None:
+def test_kinds_have_letters_and_dimensions_short_numbers() -> None:
+    assert [letters(number) for number in (0, 25, 26, 701, 702)] == ["A", "Z", "AA", "ZZ", "AAA"]
     found = [spelled(x) for x in (250.0, 49.75, 7.9, 1.23456, 60.000001)]
     assert found == ["250", "49.75", "7.9", "1.235", "60"]
 
 
-def test_a_sheet_tells_the_taper_of_a_voussoir() -> None:
-    """By its chords on both sides and the inclination of its joints."""
+def test_a_sheet_tells_the_taper_of_a_voussoir_by_its_chords_and_its_inclination() -> None:
     (kind,) = kinds(made(blocks_and_rows(study("arch/arch")))[2:3])
     (axes, *_) = draw_sheet(kind, {}, 1, "mm", "").axes
     words = {text.get_text() for text in axes.texts}
@@ -293,7 +280,6 @@ def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:
     [
         (["--clearance", "5kN"], "--clearance: 5kN is a force; it must be a length, such as 80mm"),
         (["--clearance", "-1mm"], "--clearance: '-1mm' is not allowed; it must be at least 0 (m)"),
-        (["--clearance", "60mm"], "a clearance of 0.06 m leaves nothing of it"),
         ([str(ARCH), "-n", "5"], "--locks: is for a joint"),
     ],
 )
@@ -331,9 +317,7 @@ def test_step_has_the_volume_and_the_names_of_the_solids(tmp_path: Path) -> None
         assert volume.Mass() == pytest.approx(1e9 * sum(each.volume for each in found), rel=1e-9)
 
 
-def test_step_without_its_package_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_step_says_which_package_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP.Message", None)
     done = run("build", "-n", "3", "-o", str(tmp_path), "--step")
     assert done.exit_code == 2

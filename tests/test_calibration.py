@@ -5,6 +5,7 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from small import merged
 
 from analysis.calibration.candidates import (
     Trial,
@@ -111,19 +112,20 @@ def test_the_printed_friction_as_an_angle_in_degrees_is_a_sixtieth_of_it() -> No
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"meshes": [0.02, 0.01]}, "calibration.meshes: 0.01 m is not allowed; each must be one"),
-        ({"a": [0.2]}, "calibration.meshes: 0.02 m is too coarse; it must be less than 0.015 m"),
+        (
+            {"calibration": GRID | {"meshes": [0.02, 0.01]}},
+            "calibration.meshes: 0.01 m is not allowed; each must be one",
+        ),
+        (
+            {"calibration": GRID | {"a": [0.2]}},
+            "calibration.meshes: 0.02 m is too coarse; it must be less than 0.015 m",
+        ),
+        ({"samples": {"n7": {"locks": 7}}}, "samples: none is a published sample; "),
     ],
 )
 def test_what_cannot_be_calibrated_is_refused(change: dict[str, Any], message: str) -> None:
-    config = {"samples": {"n3": {"locks": 3}}, "calibration": {**GRID, **change}}
     with pytest.raises(ConfigError, match=f"^{message}"):
-        check(read_study(config), PUBLISHED)
-
-
-def test_a_study_without_a_published_sample_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"^samples: none is a published sample; "):
-        check(read_study({"samples": {"n7": {"locks": 7}}}), PUBLISHED)
+        check(read_study(merged(**change)), PUBLISHED)
 
 
 def test_the_confirmation_is_a_study_of_the_chosen_joints(study: Study) -> None:

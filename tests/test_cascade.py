@@ -43,18 +43,11 @@ def pushed(model: Assembly) -> StaticSolution:
     return static_peak(model, Loads(none, variable, 1.0))
 
 
-@pytest.mark.parametrize("second", [1.01, 1.5, 1.97, 1.995])
-def test_a_bond_that_cannot_take_over_fails_at_once(second: float) -> None:
+@pytest.mark.parametrize("second", [1.01, 1.5, 1.97, 1.995, 2.005, 2.03, 3.0])
+def test_a_bond_takes_over_if_its_strength_is_that_of_both_or_fails_at_once(second: float) -> None:
     found = pushed(on_supports((1.0, second), (1e9, 1e9)))
     assert found.first_failure_load == pytest.approx(2.0, rel=1e-5)
-    assert found.peak.load == pytest.approx(2.0, rel=1e-5)
-
-
-@pytest.mark.parametrize("second", [2.005, 2.03, 3.0])
-def test_a_bond_that_can_take_over_holds_to_its_own_strength(second: float) -> None:
-    found = pushed(on_supports((1.0, second), (1e9, 1e9)))
-    assert found.first_failure_load == pytest.approx(2.0, rel=1e-5)
-    assert found.peak.load == pytest.approx(second, rel=1e-5)
+    assert found.peak.load == pytest.approx(max(2.0, second), rel=1e-5)
 
 
 @pytest.mark.parametrize("second", [1.02, 1.45, 1.48])
@@ -91,18 +84,13 @@ def followed(problem: Problem) -> tuple[Equilibrium, list[Equilibrium]]:
     return peak, [*after_peak(*problem, peak)]
 
 
-def test_nothing_is_left_of_a_joint_with_one_lower_lock_in_pure_shear() -> None:
-    _, points = followed(smooth(3))
-    assert points == []
-
-
-@pytest.mark.parametrize("locks", [5, 7])
+@pytest.mark.parametrize("locks", [3, 5, 7])
 def test_one_lower_lock_after_the_other_fails_in_pure_shear(locks: int) -> None:
     peak, points = followed(smooth(locks))
     assert len(points) == (locks - 1) / 2 - 1
-    # The last one carries the whole load alone: its strength.
-    assert points[-1].load == pytest.approx(Joint(locks).T0, rel=2e-3)
-    assert peak.load > points[0].load
+    if points:  # the last one carries the whole load alone: its strength
+        assert points[-1].load == pytest.approx(Joint(locks).T0, rel=2e-3)
+        assert peak.load > points[0].load
 
 
 def test_each_point_is_at_the_strength_of_a_bond_and_has_fewer_of_them() -> None:

@@ -77,11 +77,8 @@ def read(path: Path, content: Any, **more: Any) -> tuple[Block, ...]:
     return read_compas(path, 2e3, **more)
 
 
-def test_blocks_are_read_in_the_order_of_their_nodes_and_supports_are_fixed(path: Path) -> None:
+def test_blocks_are_in_order_of_nodes_and_supports_those_of_the_file_or_given(path: Path) -> None:
     assert read(path, assembly()) == (GROUND, CUBE)
-
-
-def test_fixed_nodes_take_the_place_of_the_supports_in_the_file(path: Path) -> None:
     assert [block.fixed for block in read(path, assembly(), fixed=[3])] == [False, True]
 
 
@@ -93,32 +90,22 @@ def test_a_face_that_is_not_plane_is_cut_into_triangles(path: Path) -> None:
     assert block.volume > CUBE.volume
 
 
-def test_a_model_of_compas_dem_has_blocks_that_are_moved_and_materials(path: Path) -> None:
-    ground, cube = read(path, model())
+ANALYSIS = {"dtype": "compas_dem.models/Analysis", "data": {"model": model(), "problems": []}}
+
+
+@pytest.mark.parametrize("content", [model(), ANALYSIS])
+def test_a_model_of_compas_dem_has_moves_and_materials(path: Path, content: dict[str, Any]) -> None:
+    ground, cube = read(path, content)
     assert (ground, cube.density) == (GROUND, 2600.0)
     assert np.array(cube.vertices) == pytest.approx(np.array(CUBE.vertices))
-
-
-def test_an_analysis_has_its_model(path: Path) -> None:
-    analysis = {"dtype": "compas_dem.models/Analysis", "data": {"model": model(), "problems": []}}
-    assert [block.name for block in read(path, analysis)] == ["block-0", "block-3"]
-
-
-def test_messages_name_blocks_as_answers_do(path: Path) -> None:
-    given = assembly()
-    given["data"]["graph"]["data"]["node"]["3"]["block"]["data"]["face"]["0"] = [1, 2, 3]
-    path.write_text(json.dumps(given))
-    described = {"blocks": {"vault": {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
-    with pytest.raises(ValueError, match=r"blocks\.vault\.vault-3: a vertex or face is not"):
-        structure_of(described, folder=path.parent)
 
 
 def test_blocks_of_a_group_are_where_it_is(path: Path) -> None:
     given = model()
     matrix = [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
-    moved = {"dtype": "compas.geometry/Transformation", "data": {"matrix": matrix}}
+    along = {"dtype": "compas.geometry/Transformation", "data": {"matrix": matrix}}
     before = read(path, given)[1].centre
-    group = {"dtype": "compas_model.elements/Group", "data": {"transformation": moved}}
+    group = {"dtype": "compas_model.elements/Group", "data": {"transformation": along}}
     given["data"]["elements"]["group"] = group
     root = given["data"]["tree"]["root"]
     root["children"] = [{"element": "g"}, {"element": "group", "children": [{"element": "c"}]}]
@@ -126,15 +113,12 @@ def test_blocks_of_a_group_are_where_it_is(path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [assembly, model])
-def test_the_command_takes_a_model_as_it_is_and_laws_from_a_file_beside_it(
-    path: Path, content: Callable[[], dict[str, Any]]
-) -> None:
+def test_a_model_has_laws_beside_it(path: Path, content: Callable[[], dict[str, Any]]) -> None:
     path.write_text(json.dumps(content()))
     limit = answers("assembly", str(path))[0]
     assert limit["load / weight"] == pytest.approx(0.4)  # it overturns
-    path.with_suffix(".yaml").write_text(
-        "interfaces: {friction: 0.3}\nload: {tilt: {axis: [0, 1, 0]}}"
-    )
+    laws = "interfaces: {friction: 0.3}\nload: {tilt: {axis: [0, 1, 0]}}"
+    path.with_suffix(".yaml").write_text(laws)
     limit = answers("assembly", str(path))[0]
     assert limit["tilt (degrees)"] == pytest.approx(math.degrees(math.atan(0.3)))
     path.with_suffix(".yaml").write_text("blocks: {}")
@@ -143,16 +127,21 @@ def test_the_command_takes_a_model_as_it_is_and_laws_from_a_file_beside_it(
 
 
 def test_blocks_of_a_structure_come_from_a_model_in_other_units(path: Path) -> None:
-    path.write_text(json.dumps(assembly()))
-    given = {"file": path.name, "scale": 0.1, "fixed": [0], "density": 2500}
+    given, content = {"file": path.name, "scale": 0.1, "fixed": [0], "density": 2500}, assembly()
+    path.write_text(json.dumps(content))
     described = {"blocks": {"vault": given}, "load": {"acceleration": [1, 0, 0]}}
     ground, cube = structure_of(described, folder=path.parent).assembly.pieces
     assert (ground.name, cube.name, ground.fixed) == ("vault-0", "vault-3", True)
     assert cube.mass == pytest.approx(1e-3 * 2500 * CUBE.volume)
+    given["fixed"] = [7]
     with pytest.raises(
         ValueError, match=r"blocks\.vault\.fixed: '7' is not allowed; it must be a node"
     ):
-        structure_of(described | {"blocks": {"vault": given | {"fixed": [7]}}}, folder=path.parent)
+        structure_of(described, folder=path.parent)
+    content["data"]["graph"]["data"]["node"]["3"]["block"]["data"]["face"]["0"] = [1, 2, 3]
+    path.write_text(json.dumps(content))
+    with pytest.raises(ValueError, match=r"blocks\.vault\.vault-3: a vertex or face is not"):
+        structure_of(described, folder=path.parent)
 
 
 @pytest.mark.parametrize("turned", [1, -1])

@@ -36,6 +36,8 @@ def named() -> dict[str, Any]:
 
 def test_forces_balance_weight_and_load_and_the_mechanism_overturns(tmp_path: Path) -> None:
     data = written(tmp_path, named())
+    assert data["model_id"] == named()["guid"]
+    assert written(tmp_path, named()) == data
     (edge,) = data["edge_data"].values()
     weight, load = 0.24 * 2600 * GRAVITY, data["metadata"]["load_N"]
     assert edge["resultant_global"] == pytest.approx([-load, 0.0, weight], abs=1e-6 * weight)
@@ -44,20 +46,13 @@ def test_forces_balance_weight_and_load_and_the_mechanism_overturns(tmp_path: Pa
     assert moment == pytest.approx(np.zeros(3), abs=1e-6 * weight)
     local = [sum(edge[f"force_{k}"]) for k in ("tangent1", "tangent2", "normal")]
     assert edge["resultant_local"] == pytest.approx(local)
-    still, moves = (
-        np.array(data["node_data"][n]["transformation"]["data"]["matrix"]) for n in "03"
-    )
+    nodes = (data["node_data"][node]["transformation"] for node in "03")
+    still, moves = (np.array(each["data"]["matrix"]) for each in nodes)
     assert still == pytest.approx(np.eye(4))
     edge_of_block = np.array([0.4, 0.3, 0.0, 1.0])
     assert moves @ edge_of_block == pytest.approx(edge_of_block, abs=1e-6)  # it turns about it
     shift = (moves @ [*CENTRE, 1.0])[:3] - CENTRE
     assert 0.05 < shift[0] < 0.2
-
-
-def test_results_name_the_model_and_are_the_same_bytes_again(tmp_path: Path) -> None:
-    once = written(tmp_path, named())
-    assert once["model_id"] == named()["guid"]
-    assert written(tmp_path, named()) == once
 
 
 def test_an_assembly_of_compas_cra_has_forces_at_its_interfaces(tmp_path: Path) -> None:
@@ -151,11 +146,12 @@ def test_forces_at_corners_do_what_those_at_nodes_do(nodes: str) -> None:
         force = np.random.default_rng(1).normal(size=(len(places), 3))
         found = at_corners(face, places, force)
         assert found.sum(axis=0) == pytest.approx(force.sum(axis=0))
-        arms, corners = places - face.middle, face.corners - face.middle
-        turned = np.cross(corners, found @ face.axes).sum(axis=0)
-        assert turned == pytest.approx(np.cross(arms, force @ face.axes).sum(axis=0))
-        pressed = at_corners(face, places, np.abs(force))
-        assert (pressed >= 0.0).all()
+        moments = (
+            np.cross(each - face.middle, given @ face.axes).sum(axis=0)
+            for each, given in ((face.corners, found), (places, force))
+        )
+        assert next(moments) == pytest.approx(next(moments))
+        assert (at_corners(face, places, np.abs(force)) >= 0.0).all()
 
 
 def test_compas_dem_reads_what_is_written(tmp_path: Path) -> None:

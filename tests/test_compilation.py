@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from processes import python
 
 import sidmacib
 from sidmacib.answers.joint import quick_path
@@ -32,13 +31,6 @@ def applied(value):
 """
 
 
-def answer(folder: Path) -> str:
-    """What the outer function makes of 3, in a new process."""
-    code = "from kernels.outer import applied; print(applied(3.0))"
-    found = python("-c", code, check=True, cwd=folder, PYTHONPATH=str(folder))
-    return found.stdout.strip()
-
-
 @pytest.fixture
 def kernels(tmp_path: Path) -> Path:
     """A package of compiled functions."""
@@ -52,10 +44,9 @@ def kernels(tmp_path: Path) -> Path:
 
 
 def test_a_change_in_another_file_is_noticed(kernels: Path) -> None:
-    place = kernels.parent
-    assert answer(place) == answer(place) == "6.0"
+    assert answer(kernels) == answer(kernels) == "6.0"
     (kernels / "inner.py").write_text(INNER.replace("FACTOR", "5.0"))
-    assert answer(place) == "15.0"
+    assert answer(kernels) == "15.0"
 
 
 def test_what_is_compiled_ahead_is_what_the_static_model_calls() -> None:
@@ -69,7 +60,7 @@ def test_what_is_compiled_ahead_is_what_the_static_model_calls() -> None:
         assert given == {signatures()[function]}, function.py_func.__name__
 
 
-def answers(package: Path, before: str = "", **environment: str) -> str:
+def answer(kernels: Path, before: str = "", **environment: str) -> str:
     """What the outer function makes of 3 in a process without a home; ``before``: code."""
     code = f"{before}\nfrom kernels.outer import applied; print(applied(3.0))"
     done = subprocess.run(
@@ -77,7 +68,7 @@ def answers(package: Path, before: str = "", **environment: str) -> str:
         check=False,
         capture_output=True,
         text=True,
-        env={"PYTHONPATH": str(package), **environment},
+        env={"PYTHONPATH": str(kernels.parent), **environment},
         cwd="/",
     )
     assert not done.stderr, done.stderr
@@ -86,20 +77,20 @@ def answers(package: Path, before: str = "", **environment: str) -> str:
 
 def test_without_a_folder_to_write_to_they_are_compiled_for_the_process(kernels: Path) -> None:
     (kernels / "__pycache__").touch()  # a file where numba's folder would be
-    assert answers(kernels.parent, HOME="/dev/null", NUMBA_CACHE_DIR="/dev/null") == "6.0"
+    assert answer(kernels, HOME="/dev/null", NUMBA_CACHE_DIR="/dev/null") == "6.0"
     assert not list(kernels.rglob("*.nb?"))
 
 
 def test_where_nothing_can_be_written_the_answer_is_given(kernels: Path, tmp_path: Path) -> None:
     full = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))"
-    assert answers(kernels.parent, full, NUMBA_CACHE_DIR=str(tmp_path / "c")) == "6.0"
+    assert answer(kernels, full, NUMBA_CACHE_DIR=str(tmp_path / "c")) == "6.0"
     assert not list(tmp_path.rglob("*.nb?"))
 
 
 def test_a_file_that_was_cut_off_is_compiled_again(kernels: Path) -> None:
-    assert answers(kernels.parent) == "6.0"
+    assert answer(kernels) == "6.0"
     kept = list(kernels.rglob("*.nb?"))
     assert kept
     for path in kept:
         path.write_bytes(path.read_bytes()[:40])
-    assert answers(kernels.parent) == "6.0"
+    assert answer(kernels) == "6.0"

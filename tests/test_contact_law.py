@@ -45,9 +45,7 @@ def test_friction_acts_along_the_displacement(n: float, x: float, y: float) -> N
 
 
 @given(moves, moves, moves, st.floats(0.001, 1.0))
-def test_a_bond_that_has_faded_is_as_much_softer_but_pressed_together(
-    n: float, x: float, y: float, whole: float
-) -> None:
+def test_a_faded_bond_is_softer_unless_pressed(n: float, x: float, y: float, whole: float) -> None:
     force = node_force(NORMAL, SHEAR, FRICTION, 0.0, whole, n, x, y)
     normal = NORMAL * n if n > 0.0 else whole * NORMAL * n
     assert force == pytest.approx((normal, whole * SHEAR * x, whole * SHEAR * y))
@@ -108,9 +106,7 @@ def bonds(joint: Joint) -> tuple[ContactLaw, NodeState]:
 
 
 @given(st.floats(0.0, 3.0), st.floats(-3.0, 3.0), st.floats(0, 2 * math.pi))
-def test_utilisation_is_the_larger_of_shear_and_tension_over_strength(
-    shear: float, tension: float, angle: float
-) -> None:
+def test_shear_or_tension_decides_utilisation(shear: float, tension: float, angle: float) -> None:
     contact_law, state = bonds(Joint(3))
     x, y = shear * math.cos(angle), shear * math.sin(angle)
     strength = contact_law.shear_strength
@@ -119,9 +115,7 @@ def test_utilisation_is_the_larger_of_shear_and_tension_over_strength(
 
 
 @given(st.floats(0.0, 2.0), st.floats(-0.5, 10.0), st.floats(0, 2 * math.pi))
-def test_a_bond_on_the_edge_of_its_cone_is_at_its_strength(
-    friction: float, pressure: float, angle: float
-) -> None:
+def test_a_bond_on_its_cone_is_used_up(friction: float, pressure: float, angle: float) -> None:
     contact_law, state = bonds(Joint(3, inner=replace(INNER, bond_friction=friction)))
     cone, normal = contact_law.cone(), pressure * contact_law.shear_strength
     shear = cone.shear(normal)

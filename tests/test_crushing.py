@@ -10,28 +10,26 @@ import pytest
 import shapely
 import yaml
 from command_runner import run
-from conftest import ROOT
+from described import study
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 from structures import example
 
+from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import CRUSHING
 from sidmacib.design.file import task_of
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
-from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.crushing import stress_blocks
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.files.structure_file import structure_of
-from sidmacib.yaml_text import read_yaml
 
+PUSH = {"acceleration": [1, 0, 0]}
 STRENGTH = 5e5  # Pa
 WIDTH, DEPTH, HEIGHT = 1.0, 0.6, 2.0
 WEIGHT = 2000.0 * GRAVITY * WIDTH * DEPTH * HEIGHT
@@ -47,6 +45,10 @@ def pier(load: dict[str, Any], strength: float = STRENGTH, **law: float) -> dict
         "interfaces": {"friction": 0.7, "compressive_strength": strength, **law},
         "load": load,
     }
+
+
+def limit_of(description: dict[str, Any]) -> float:
+    return limit_load(*structure_of(description), friction=True).load
 
 
 def pressed(x: float, y: float) -> dict[str, Any]:
@@ -69,7 +71,7 @@ def assert_both_crush(problem: Problem, limit: float) -> None:
 def test_a_block_under_an_eccentric_load_carries_a_rectangular_stress_block(share: float) -> None:
     """N = f_c b (h - 2 e), of the load and the weight, which is in the middle."""
     for load in (pressed(share * WIDTH, 0.0), pressed(0.0, share * DEPTH)):
-        found = limit_load(*structure_of(pier(load)), friction=True).load
+        found = limit_of(pier(load))
         normal = found + WEIGHT
         exact = STRENGTH * WIDTH * DEPTH * (1.0 - 2.0 * share * found / normal)
         assert CLOSE * exact <= normal <= exact * (1.0 + 1e-6)
@@ -79,12 +81,11 @@ def test_a_block_under_an_eccentric_load_carries_a_rectangular_stress_block(shar
 
 def test_a_pier_overturns_about_the_middle_of_what_is_pressed() -> None:
     """H h / 2 = W (b - c) / 2, with c = W / (f_c d)."""
-    problem = structure_of(pier({"acceleration": [1, 0, 0]}))
     depth = WEIGHT / (STRENGTH * DEPTH)
     exact = WEIGHT * (WIDTH - depth) / HEIGHT
-    load = limit_load(*problem, friction=True).load
+    load = limit_of(pier(PUSH))
     assert CLOSE * exact <= load <= exact
-    assert_both_crush(problem, load)
+    assert_both_crush(structure_of(pier(PUSH)), load)
 
 
 def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
@@ -102,11 +103,10 @@ def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
 def test_bonds_that_pull_press_the_other_side_more() -> None:
     """All of a ductile bond pulls but the nodes at the edge where the stress block is."""
     law = {"cohesion": 1e6, "tensile_strength": 1e5}
-    description = pier({"acceleration": [1, 0, 0]}, **law)
-    loads = [limit_load(*structure_of(description), friction=True).load]
-    for changes in ({"compressive_strength": 10 * STRENGTH}, {"tensile_strength": 1e4}):
+    description, loads = pier(PUSH, **law), []
+    for changes in ({}, {"compressive_strength": 10 * STRENGTH}, {"tensile_strength": 1e4}):
         description["interfaces"] |= changes
-        loads.append(limit_load(*structure_of(description), friction=True).load)
+        loads.append(limit_of(description))
     assert loads[1] > loads[0] > loads[2]
     tension = 1e5 * WIDTH * DEPTH  # by Simpson's rule: 1/6 at one edge, 4/6 in the middle
     pressed = WEIGHT + 5 / 6 * tension
@@ -124,9 +124,7 @@ OUTLINES = {
 @pytest.mark.parametrize("name", OUTLINES)
 @settings(max_examples=30, deadline=None)
 @given(angle=st.floats(0, 2 * math.pi), share=st.floats(0.02, 1.0))
-def test_no_stress_block_of_any_direction_is_taken_to_carry_more(
-    name: str, angle: float, share: float
-) -> None:
+def test_no_stress_block_is_taken_to_carry_more(name: str, angle: float, share: float) -> None:
     outline = OUTLINES[name]
     blocks = stress_blocks(outline)
     way = np.array([math.cos(angle), math.sin(angle)])
@@ -144,24 +142,21 @@ def test_no_stress_block_of_any_direction_is_taken_to_carry_more(
 
 def test_forces_that_can_go_elsewhere_carry_more_than_what_crushes_first() -> None:
     """An arch with its first hinge is no mechanism: limit analysis decides, below the peak."""
-    arch = read_yaml(ROOT / "studies/arch/arch.yaml")
-    without = static_answer(structure_of(arch)).load
-    arch["interfaces"]["compressive_strength"] = 3e5
-    problem = structure_of(arch)
-    found = static_answer(problem)
-    limit = limit_load(*problem, friction=True).load
+    without = static_answer(structure_of(study("arch/arch"))).load
+    arch = study("arch/arch", compressive_strength=3e5)
+    found, limit = static_answer(structure_of(arch)), limit_of(arch)
     assert found.load == pytest.approx(limit, rel=1e-6)
     assert limit < 0.95 * without
     assert float(found.counts.why.split(" N on")[0].split()[-1]) < 0.8 * limit
-    arch["interfaces"] |= {"compressive_strength": 1e12, "friction": 0.35}
-    slides = static_answer(structure_of(arch))
-    assert slides.load < limit_load(*structure_of(arch), friction=True).load
+    smooth = study("arch/arch", compressive_strength=1e12, friction=0.35)
+    slides = static_answer(structure_of(smooth))
+    assert slides.load < limit_of(smooth)
     assert slides.mode != CRUSHING
 
 
 def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> None:
-    path = tmp_path / "pier.yaml"
-    path.write_text(yaml.safe_dump(pier({"acceleration": [1, 0, 0], "newtons": "5kN"})))
+    path, demand = tmp_path / "pier.yaml", PUSH | {"newtons": "5kN"}
+    path.write_text(yaml.safe_dump(pier(demand)))
     found = run("assembly", str(path))
     assert "; crushed: ground-pier; largest displacement: pier" in found.output
     line = found.output.splitlines()[0]
@@ -170,30 +165,24 @@ def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> 
         "limit analysis; ground-pier is at its compressive strength from 10847 N on; without "
         "crushing 11772 N"
     )
-    heavy = pier({"acceleration": [1, 0, 0], "newtons": "5kN"}, strength=0.9 * 2000 * GRAVITY * 2)
-    path.write_text(yaml.safe_dump(heavy))
+    path.write_text(yaml.safe_dump(pier(demand, strength=0.9 * 2000 * GRAVITY * 2)))
     found = run("assembly", str(path))
     assert found.exit_code == 1
     assert found.output.startswith("No: the structure does not stand under its own weight")
     keyed = example("keyed") | {"interfaces": {"friction": 0.5, "compressive_strength": "5MPa"}}
     path.write_text(yaml.safe_dump(keyed))
-    assert (
-        "Note: compressive_strength: does not limit interfaces with"
-        in run("assembly", str(path)).output
-    )
+    words = "Note: compressive_strength: does not limit interfaces with"
+    assert words in run("assembly", str(path)).output
 
 
 def test_what_knows_no_crushing_refuses_it() -> None:
-    description = pier({"acceleration": [1, 0, 0]})
+    description = pier(PUSH)
     problem = structure_of(description)
     with pytest.raises(CapacityError, match="leave out compressive_strength"):
         capacity_curve(*problem)
     for name in ("yade", "liggghts"):
         said = refusal(ENGINES[name], problem.assembly)
         assert said == "ground-pier has a compressive_strength; no engine models crushing"
-    task = {
-        "locks": {"width": 0.05, "height": 0.02},
-        "cases": {"push": {"acceleration": [1, 0, 0], "newtons": 1}},
-    }
+    locks, cases = {"width": 0.05, "height": 0.02}, {"push": PUSH | {"newtons": 1}}
     with pytest.raises(ValueError, match="compressive_strength: is for multilock assembly"):
-        task_of({**description, "design": task})
+        task_of({**description, "design": {"locks": locks, "cases": cases}})

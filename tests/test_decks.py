@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import with_subject
+from small import merged
 
 from sidmacib.engines.results import force_to_stress
 from sidmacib.errors import ResultError
@@ -19,9 +20,7 @@ from workflow.configuration import read_study
 from workflow.results import record_of
 from workflow.threedec import INCREMENT, deck, decks, fingerprint, read_returned
 
-STUDY = read_study(
-    {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0, 0.5, "torsion"]}
-)
+STUDY = read_study(merged(meshes=[0.03], eccentricities=[0, 0.5, "torsion"]))
 NUMBER = r"(-?[\d.e+-]+)"
 
 
@@ -110,20 +109,16 @@ def test_what_comes_back_reads_like_any_other_model(case: JointCase) -> None:
     assert max(each.weight for each in record.part.weights) <= 1.0 + 1e-6
 
 
-def test_results_of_another_case_or_cut_short_are_refused(case: JointCase) -> None:
+def test_results_of_another_case_cut_short_or_without_a_face_are_refused(case: JointCase) -> None:
     text = returned(case, 100.0)
-    words = r"results of other-.*; they must be results of n3-mesh0.03"
-    with pytest.raises(ResultError, match=words):
-        read_returned(text.replace(case.name, "other"), case)
-    with pytest.raises(ResultError, match=r"incomplete; run the deck again"):
-        read_returned(text.removesuffix("MULTILOCK|END"), case)
-
-
-def test_a_face_that_is_not_covered_is_named(case: JointCase) -> None:
-    lines = [x for x in returned(case, 100.0).splitlines() if "lock1|column1" not in x]
-    words = r"0 m2 of subcontacts on inner-lock1-column1; they must cover"
-    with pytest.raises(ResultError, match=words):
-        read_returned("\n".join(lines), case)
+    holed = "\n".join(line for line in text.splitlines() if "lock1|column1" not in line)
+    for wrong, words in (
+        (text.replace(case.name, "other"), "results of other-.*; they must be results of n3-mesh0"),
+        (text.removesuffix("MULTILOCK|END"), "incomplete; run the deck again"),
+        (holed, "0 m2 of subcontacts on inner-lock1-column1; they must cover"),
+    ):
+        with pytest.raises(ResultError, match=words):
+            read_returned(wrong, case)
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "ten", ""])

@@ -18,32 +18,32 @@ from sidmacib.structure.structure import structure
 from studies.designed_vault.all_layouts import row
 
 LOAD = 3000.0  # N
+BLOCKS = two_blocks()
+BY_FRICTION = FRICTION * free_weight(BLOCKS)
+GIVEN = design_on(BLOCKS, [pushed(BLOCKS, LOAD)])
 
 
 def test_two_blocks_need_what_friction_leaves() -> None:
-    blocks = two_blocks()
-    given = design_on(blocks, [pushed(blocks, LOAD)])
-    by_friction = FRICTION * free_weight(blocks)
     for factor in (1.0, 1.5):
-        needs = (factor * LOAD - by_friction) / T1
-        assert least_cost(given, factor).cost == pytest.approx(needs, rel=1e-6)
-    assert least_cost(given, 0.9 * by_friction / LOAD).cost == pytest.approx(0.0, abs=1e-6)
+        needs = (factor * LOAD - BY_FRICTION) / T1
+        assert least_cost(GIVEN, factor).cost == pytest.approx(needs, rel=1e-6)
+    assert least_cost(GIVEN, 0.9 * BY_FRICTION / LOAD).cost == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_whole_number_of_locks_is_the_least_that_is_enough() -> None:
-    blocks = two_blocks()
-    given = design_on(blocks, [pushed(blocks, LOAD)])
-    found = RowSearch(given, 1.0).cheapest()
-    needs = (LOAD - FRICTION * free_weight(blocks)) / T1
-    assert found.cost == np.ceil(needs) == 2.0
-    (layout,) = choice_of(given, found.parts)
+def test_a_whole_number_of_locks_is_the_least_that_is_enough_and_balances_the_push() -> None:
+    found = RowSearch(GIVEN, 1.0).cheapest()
+    assert found.cost == np.ceil((LOAD - BY_FRICTION) / T1) == 2.0
+    (layout,) = choice_of(GIVEN, found.parts)
     assert layout.run == (1.0, 0.0, 0.0)  # across the push
-    (state,) = carried(given, [layout])
-    assert state.factor == pytest.approx((2 * T1 + FRICTION * free_weight(blocks)) / LOAD, rel=1e-7)
+    (state,) = carried(GIVEN, [layout])
+    assert state.factor == pytest.approx((2 * T1 + BY_FRICTION) / LOAD, rel=1e-7)
+    (across,) = needed(GIVEN, [layout], 1.0)[0].across
+    assert abs(across) == pytest.approx(LOAD - BY_FRICTION, rel=1e-5)  # friction does what it can
+    assert abs(across) <= layout.strength
 
 
 def test_rows_have_room_and_are_as_strong_as_their_roots() -> None:
-    face = two_blocks().faces[0]
+    (face,) = BLOCKS.faces
     for layout in layouts_of(face, KIND, directions_of(face, angles=(0.0, 90.0)), 10):
         across, along = (0.6, 0.4) if layout.direction == 0 else (0.4, 0.6)
         assert sum(layout.widths) == pytest.approx(across)
@@ -98,16 +98,6 @@ def test_a_search_ends_with_the_cheapest_of_all_layouts(pushed_both_ways: Design
     assert search.carries(mixed.parts * (1.0 + 1e-4))
 
 
-def test_what_is_barred_is_not_chosen(pushed_both_ways: DesignProblem) -> None:
-    search = RowSearch(pushed_both_ways, 1.0)
-    free = search.cheapest(gap=1e-4)
-    taken = frozenset(pushed_both_ways.rows[k] for k in pushed_both_ways.row_of[free.parts > 0])
-    other = search.cheapest(barred=[taken], gap=1e-4)
-    assert not taken <= {pushed_both_ways.rows[k] for k in pushed_both_ways.row_of[other.parts > 0]}
-    assert other.cost >= free.cost
-    assert search.carries(other.parts)
-
-
 def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     """By differences of the factor of designs whose locks are a little stronger and weaker."""
     assembly = structure(stack(), dry(0.2))
@@ -134,20 +124,9 @@ def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     assert max(state.by_strength) > 1e-5
 
 
-def test_what_locks_need_is_within_their_strength_and_balances_the_push() -> None:
-    blocks = two_blocks()
-    given = design_on(blocks, [pushed(blocks, LOAD)])
-    choice = choice_of(given, RowSearch(given, 1.0).cheapest().parts)
-    (found,) = needed(given, choice, 1.0)
-    held = LOAD - FRICTION * free_weight(blocks)
-    assert abs(found.across[0]) == pytest.approx(held, rel=1e-5)  # friction does what it can
-    assert abs(found.across[0]) <= choice[0].strength
-
-
 def test_more_than_all_locks_carry_is_refused_with_the_largest_factor() -> None:
-    blocks = two_blocks()
-    given = design_on(blocks, [pushed(blocks, LOAD)], most=3)
-    most = (3 * T1 + FRICTION * free_weight(blocks)) / LOAD
+    given = design_on(BLOCKS, [pushed(BLOCKS, LOAD)], most=3)
+    most = (3 * T1 + BY_FRICTION) / LOAD
     assert largest_factor(given) == pytest.approx(most, rel=1e-6)
     assert least_cost(given, 0.999 * most).cost <= 3.0
     with pytest.raises(InfeasibleError):

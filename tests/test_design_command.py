@@ -1,6 +1,7 @@
 """The key ``design`` of a structure's file, and the command that answers it."""
 
 import json
+import re
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -54,12 +55,6 @@ def test_strength_is_raised_until_the_static_model_carries_the_cases() -> None:
     assert found.passes
     assert (found.cost, found.bound, found.raised) == (2.0, 1.0, 1)
     assert any("static, peak carries 0.9" in note for note in notes)
-    once = two_blocks()
-    once["design"]["raised"] = 0
-    first = design_of(task_of(once))
-    assert not first.passes
-    assert first.cost == 1.0
-    assert {check.model for check in first.failing} == {"static, peak"}
 
 
 def test_permanent_loads_press_the_joints_of_a_design() -> None:
@@ -81,14 +76,7 @@ def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
     words = "FAIL: the best design found, of 1 load-bearing locks in 1 of 1 interfaces"
     assert answer["verdict"].startswith(words)
     assert "static, peak, push: 0.9" in answer["verdict"]
-
-
-def test_locks_that_would_cut_through_a_block_are_refused_before_the_search() -> None:
-    given = two_blocks()
-    given["design"]["locks"]["height"] = 0.6
-    allowed = r"design.locks.height: 0.6 .* less than 0.6 m, as base is 0.3 m deep there"
-    with pytest.raises(ValueError, match=allowed):
-        task_of(given)
+    assert "first failure" not in answer["verdict"]
 
 
 def in_a_slot() -> dict[str, Any]:
@@ -227,6 +215,11 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
         (("cases", "push", "tilt"), 1, "design.cases.push.tilt: unknown key"),
         (("cases", "push", "force", "block"), "x", "design.cases.push.force.block: 'x' is"),
         (("locks", "width"), 0, "design.locks.width.1: 0 is not allowed"),
+        (
+            ("locks", "height"),
+            0.6,
+            "design.locks.height: 0.6 .* less than 0.6 m, as base is 0.3 m deep there",
+        ),
         (("locks", "width"), [], "design.locks.width: an empty list"),
         (("locks", "inner"), {"cohesion": 0}, "design.locks.cohesion: 0.0 is not allowed"),
         (
@@ -244,9 +237,7 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
         (("most",), 3, "design.most: unknown key"),
     ],
 )
-def test_every_fault_is_one_line_that_names_the_key(
-    path: Path, keys: tuple[str, ...], value: Any, words: str
-) -> None:
+def test_a_fault_names_its_key(path: Path, keys: tuple[str, ...], value: Any, words: str) -> None:
     given = two_blocks()
     inside = given["design"]
     for key in keys[:-1]:
@@ -255,8 +246,7 @@ def test_every_fault_is_one_line_that_names_the_key(
     path.write_text(yaml.safe_dump(given))
     result = command("design", str(path))
     assert result.exit_code == 2
-    assert result.stderr.startswith(f"Error: {words}"), result.stderr
-    assert result.stderr.count("\n") == 1
+    assert re.fullmatch(f"Error: {words}.*\n", result.stderr)
 
 
 def test_a_file_with_locks_or_without_a_design_is_refused() -> None:

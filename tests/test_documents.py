@@ -191,14 +191,10 @@ def test_make_knows_every_command() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_examples_of_configurations_are_studies(page: Path) -> None:
+def test_configurations_and_values_of_their_keys_in_a_page_are_allowed(page: Path) -> None:
     for block in blocks(page, "yaml"):
         study = read_study(parsed(block.encode()))
         assert cases_of(study) or study.structures
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_keys_of_the_configuration_have_the_values_that_a_page_gives_them(page: Path) -> None:
     for code in inline(page):
         key, colon, _ = code.partition(": ")
         if not colon:
@@ -218,20 +214,19 @@ def anchors(page: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_to_files_and_headings(page: Path) -> None:
+def test_links_headings_paths_and_names_of_a_page_are_there(page: Path) -> None:
     for target in LINK.findall(page.read_text()):
         if "://" not in target:
             file, _, heading = target.partition("#")
             path = (page.parent / file).resolve() if file else page
             assert path.exists() or path in MADE, target
             assert not heading or heading in anchors(path), target
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_paths_of_code_in_a_page_are_there(page: Path) -> None:
-    for path in (code for code in inline(page) if re.fullmatch(r"[\w./-]+\.(py|smk|j2|md)", code)):
-        places = ROOT / path, page.parent / path, *ROOT.glob(f"*/{path}")
-        assert "joint.py" in path or any(place.exists() for place in places), path
+    for code in (code for code in inline(page) if re.fullmatch(r"[\w./-]+\.(py|smk|j2|md)", code)):
+        places = ROOT / code, page.parent / code, *ROOT.glob(f"*/{code}")
+        assert "joint.py" in code or any(place.exists() for place in places), code
+    for name, module in OWNED.findall(page.read_text()):
+        text = (ROOT / module).read_text()
+        assert re.search(rf"^(class|def) {name}\b|^{name}\b.*=", text, re.M), name
 
 
 def test_the_way_of_the_data_leads_through_files_that_are_there() -> None:
@@ -242,10 +237,3 @@ def test_the_way_of_the_data_leads_through_files_that_are_there() -> None:
             place = ROOT / path if (ROOT / path).exists() else folder / path
             assert place.exists(), path
             folder = place if place.is_dir() else place.parent
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_what_a_page_says_is_in_a_module_is_there(page: Path) -> None:
-    for name, path in OWNED.findall(page.read_text()):
-        text = (ROOT / path).read_text()
-        assert re.search(rf"^(class|def) {name}\b|^{name}\b.*=", text, re.M), name

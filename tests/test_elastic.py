@@ -184,9 +184,7 @@ def test_the_first_failure_converges_with_the_elements(body: UpperBody) -> None:
         (5, UpperBody.COLUMNS, 386.0),
     ],
 )
-def test_means_over_cells_fail_where_another_program_found_it(
-    locks: int, body: UpperBody, expected: float
-) -> None:
+def test_another_program_finds_the_same_loads(locks: int, body: UpperBody, expected: float) -> None:
     """Loads (N) in pure shear at mesh 0.02 m, of hexahedra of another make."""
     found = solved(elastic(locks, body=body), 0.02, NodeLayout.CENTRES)
     assert found.first_failure_load == pytest.approx(expected, rel=0.03)
@@ -235,9 +233,7 @@ def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_
     assert heavy.point.load == pytest.approx(45.058, rel=1e-4)
 
 
-def test_a_smooth_joint_under_pressure_is_solved_without_a_word(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_a_smooth_pressed_joint_is_solved_silently(capfd: pytest.CaptureFixture[str]) -> None:
     joint = replace(
         elastic(2, body=UpperBody.MONOLITHIC),
         hold_down=HoldDown.pressure(5e4),
@@ -254,9 +250,7 @@ def test_a_smooth_joint_under_pressure_is_solved_without_a_word(
     [HoldDown.weight(), HoldDown.force(500.0), HoldDown.pressure(5e4), HoldDown.plate()],
     ids=lambda held: str(held.kind),
 )
-def test_stiff_rough_faces_rest_under_what_presses_on_them(
-    hold_down: HoldDown, layout: NodeLayout, cells: int
-) -> None:
+def test_stiff_rough_faces_are_at_rest(hold_down: HoldDown, layout: NodeLayout, cells: int) -> None:
     """Newton's method alone cycles on some of these meshes: there was no equilibrium at 0 N."""
     joint = Joint(
         2,
@@ -300,9 +294,7 @@ def test_the_memory_that_is_asked_for_is_a_close_bound(body: UpperBody) -> None:
     assert 0.4 * most < needed < 1.2 * most
 
 
-def test_the_memory_of_a_machine_is_that_of_its_container_if_that_is_less(
-    monkeypatch: pytest.MonkeyPatch, tmp_path
-) -> None:
+def test_a_container_limits_the_memory(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
     limit = tmp_path / "memory.max"
     monkeypatch.setattr("sidmacib.mechanics.elastic.CGROUP", limit)
     whole = memory()

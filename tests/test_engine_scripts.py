@@ -9,28 +9,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import as_read
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import loaded
 from scipy.spatial.transform import Rotation
 from stack import tilted_stack
 from structures import dry
 from structures import moved as at_another_place
 
-from sidmacib.engines.liggghts.deck import LiggghtsDeck, flat_radii, patches, pitch
+from sidmacib.engines.liggghts.deck import LiggghtsDeck, flat_radii, patches
 from sidmacib.engines.liggghts.loads import handle_forces
 from sidmacib.engines.liggghts.model import Placement, utilisation
 from sidmacib.engines.liggghts.process import dumped_rows, printed_values
-from sidmacib.engines.render import assembly_data, engine_material
 from sidmacib.engines.scripts import assembly as scripts
+from sidmacib.engines.scripts.assembly import GivenAssembly
 from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
 from sidmacib.engines.scripts.surroundings import LOOK, MET, Surroundings, meeting
 from sidmacib.engines.sides import vertices_above
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics import assembly as mechanics
-from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.joint import Joint
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
@@ -41,34 +39,18 @@ PILE = [("low", 0.0), ("middle", 0.2), ("top", 0.4)]
 LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5)
 
 
-def as_read(
-    assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path
-) -> scripts.GivenAssembly:
-    """The assembly as a script reads it."""
-    data = assembly_data(assembly, loads)
-    (tmp / "data.json").write_text(json.dumps(data))
-    names = {
-        row["material"]: f.material for row, f in zip(data["faces"], assembly.faces, strict=True)
-    }
-    materials = {name: engine_material(law) for name, law in names.items()}
-    return scripts.read_assembly(str(tmp / "data.json"), materials)
+@pytest.fixture
+def three() -> GivenAssembly:
+    return as_read(*loaded(Joint(3), 0.5, 0.02))
 
 
 @pytest.fixture
-def three(tmp_path: Path) -> scripts.GivenAssembly:
-    joint = Joint(3)
-    assembly = assemble(joint, 0.02, NodeLayout.CENTRES)
-    loads = lateral_load(joint, assembly, Loading(Direction(0.5)))
-    return as_read(assembly, loads, tmp_path)
-
-
-@pytest.fixture
-def stack(tmp_path: Path) -> scripts.GivenAssembly:
-    return as_read(*tilted_stack(2), tmp_path)
+def stack() -> GivenAssembly:
+    return as_read(*tilted_stack(2))
 
 
 # --- LIGGGHTS' deck ------------------------------------------------------------------------------
-def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: scripts.GivenAssembly) -> None:
+def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: GivenAssembly) -> None:
     deck = LiggghtsDeck(three, SEARCH, RADII)
     for index in three.free:
         piece = three.pieces[index]
@@ -94,9 +76,7 @@ def test_the_forces_on_the_handles_add_up_to_force_and_moment(
     assert turning == pytest.approx(np.array(moment), abs=1e-9)
 
 
-def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
-    three: scripts.GivenAssembly,
-) -> None:
+def test_spheres_of_a_node_touch_there_and_no_others_of_the_face(three: GivenAssembly) -> None:
     deck = LiggghtsDeck(three, SEARCH, RADII)
     rows = [line.split() for line in deck.atoms.lines]
     centre = np.array([[float(v) for v in row[2:5]] for row in rows])
@@ -116,65 +96,30 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
             assert apart > radius[below] + radius[above] + 1e-6
 
 
-def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(
-    stack: scripts.GivenAssembly,
-) -> None:
-    def radii(assembly: scripts.GivenAssembly) -> list[float]:
+def test_radii_shrink_where_a_face_is_soft_up_to_some_softness(stack: GivenAssembly) -> None:
+    def radii(assembly: GivenAssembly) -> list[float]:
         return flat_radii(assembly, patches(assembly), 1.0)
 
+    def softened(stiffness: float) -> GivenAssembly:
+        soft = replace(stack.faces[0].material, normal_stiffness=stiffness)
+        return replace(stack, faces=[replace(stack.faces[0], material=soft), stack.faces[1]])
+
     assert set(radii(stack)) == {1.0}
-    soft = replace(stack.faces[0].material, normal_stiffness=4e6)
-    faces = [replace(stack.faces[0], material=soft), stack.faces[1]]
-    found = radii(replace(stack, faces=faces))
+    found = radii(softened(4e6))
     first = [found[k] for k, patch in enumerate(patches(stack)) if patch.face == 0]
     assert max(first) < 1.0 and set(found) - set(first) == {1.0}
     pressed = stack.permanent_N / (4e6 * 0.2 * 0.2)
     assert 0.05**2 / (2 * min(first)) == pytest.approx(2 * pressed)
-
-
-def test_a_face_too_soft_for_flat_sides_is_refused(stack: scripts.GivenAssembly) -> None:
-    soft = replace(stack.faces[0].material, normal_stiffness=1e5)
-    softer = replace(stack, faces=[replace(stack.faces[0], material=soft), stack.faces[1]])
     with pytest.raises(SystemExit, match=r"is too soft for nodes 0\.05 m apart"):
-        flat_radii(softer, patches(softer), 1.0)
-
-
-def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
-    assert pitch([(0.0, 0.0, 1.0), (0.02, 0.0, 1.0), (0.0, 0.03, 1.0)]) == pytest.approx(0.02)
-    assert pitch([(0.0, 0.03, 0.0), (0.04, 0.0, 0.0)]) == pytest.approx(0.05)
-    assert pitch([(0.0, 0.0, 0.0)]) == math.inf
-
-
-def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
-    built = assemble(joint, 0.03, NodeLayout.LOBATTO)
-    three = as_read(built, lateral_load(joint, built, Loading(Direction(0.0))), tmp_path)
-    found = patches(three)
-    assert sorted(n for patch in found for n in patch.nodes) == [*range(len(three.nodes))]
-    for patch in found:
-        areas = [three.nodes[n].area_m2 for n in patch.nodes]
-        assert areas == pytest.approx([patch.area_m2] * len(areas))
-    # A corner of a cell, or two, or four; a middle of an edge, of one cell or two; a cell's middle.
-    assert len({patch.area_m2 for patch in found if patch.face == 0}) == 5
-
-
-def test_springs_are_as_stiff_as_their_nodes(three: scripts.GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, RADII)
-    lines = [line.split() for line in deck.input_script() if line.startswith("bond_coeff")]
-    assert len(lines) == sum(three.faces[node.face].cohesive for node in three.nodes)
-    total = sum(2 * float(line[2]) for line in lines)  # the energy is coefficient * length^2
-    area = sum(node.area_m2 for node in three.nodes if three.faces[node.face].cohesive)
-    assert total == pytest.approx(1e10 * area)
+        radii(softened(1e5))
 
 
 # --- LIGGGHTS' answers ---------------------------------------------------------------------------
 
 
-def test_a_dump_is_read_from_its_last_snapshot() -> None:
+def test_the_last_snapshot_is_read_and_values_that_are_no_numbers_end_the_run() -> None:
     text = "ITEM: ATOMS id fx\n1 5.0\nITEM: TIMESTEP\n7\nITEM: ATOMS id fx\n2 1.5\n1 -2.5\n"
     assert dumped_rows(text) == {2: [1.5], 1: [-2.5]}
-
-
-def test_values_that_are_no_numbers_end_the_run() -> None:
     assert printed_values(["WARNING: x", "values 1.5 -2"]) == [1.5, -2.0]
     with pytest.raises(SystemExit, match="diverged"):
         printed_values(["values 1.5 nan"])
@@ -197,14 +142,6 @@ def test_a_placement_finds_displacement_rotation_and_points(
     assert placement.place(point.tolist()) == pytest.approx(moved.tolist(), abs=1e-12)
 
 
-def test_utilisation_is_the_larger_of_shear_and_tension() -> None:
-    area, up = 1e-4, (0.0, 0.0, 1.0)
-    shear, tension = LAW.cohesion * area, LAW.tensile_strength * area
-    assert utilisation((0.6 * shear, 0.8 * shear, 0.0), up, LAW, area) == pytest.approx(1.0)
-    assert utilisation((0.0, 0.0, -0.5 * tension), up, LAW, area) == pytest.approx(0.5)
-    assert utilisation((0.1 * shear, 0.0, 9 * tension), up, LAW, area) == pytest.approx(0.1)
-
-
 def test_without_tensile_strength_only_more_than_rounding_breaks_a_bond() -> None:
     law, up = replace(LAW, tensile_strength=0.0), (0.0, 0.0, 1.0)
     assert utilisation((0.0, 0.0, -1e-12), up, law, 1e-4) < 1e-3
@@ -217,28 +154,27 @@ def shifted(*far: float) -> list[PieceMotion]:
     return [PieceMotion((x, 0.0, 0.0), (0.0, 0.0, 0.0)) for x in far]
 
 
-def test_what_has_moved_far_and_gains_speed_falls(stack: scripts.GivenAssembly) -> None:
+@pytest.mark.parametrize(
+    ("ways", "falls"), [((1, 3, 6, 10, 15), True), ((5, 9, 12, 14, 14.1), False)]
+)
+def test_what_has_moved_far_falls_if_it_gains_speed(
+    stack: GivenAssembly, ways: tuple[float, ...], falls: bool
+) -> None:
     fall = Fall(stack, 1e-2, [STILL] * 3)
-    ways = [1e-3, 3e-3, 6e-3, 10e-3, 15e-3]
-    assert [fall.sees(shifted(0.0, way, 0.0), 10) for way in ways] == [False] * 4 + [True]
+    seen = [fall.sees(shifted(0.0, 0.0, 1e-3 * way), 10) for way in ways]
+    assert seen == [False] * 4 + [falls]
 
 
-def test_what_has_moved_far_and_slows_down_may_come_to_rest(stack: scripts.GivenAssembly) -> None:
-    fall = Fall(stack, 1e-2, [STILL] * 3)
-    ways = [5e-3, 9e-3, 12e-3, 14e-3, 14.1e-3]
-    assert not any(fall.sees(shifted(0.0, 0.0, way), 10) for way in ways)
-
-
-def test_motions_count_from_the_last_equilibrium(stack: scripts.GivenAssembly) -> None:
+def test_motions_count_from_the_last_equilibrium(stack: GivenAssembly) -> None:
     assert not Fall(stack, 1e-2, shifted(0.0, 0.5, 0.5)).sees(shifted(0.0, 0.5, 0.509), 10)
 
 
-def test_a_spin_about_the_centroid_is_a_motion(stack: scripts.GivenAssembly) -> None:
+def test_a_spin_about_the_centroid_is_a_motion(stack: GivenAssembly) -> None:
     spun = [STILL, STILL, PieceMotion((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))]
     assert Fall(stack, 1e-2, [STILL] * 3).sees(spun, 10)
 
 
-def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: scripts.GivenAssembly) -> None:
+def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: GivenAssembly) -> None:
     sideways = [STILL, STILL, PieceMotion((0.0, 0.02, 0.0), (0.0, 0.0, 0.0))]
     for motions, outcome in ((shifted(0.0, 0.0, 0.02), "collapse"), (sideways, "drift")):
         fall = Fall(stack, 1e-2, [STILL] * 3)
@@ -247,9 +183,7 @@ def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: scripts.GivenAss
 
 
 @pytest.mark.parametrize("nowhere", [math.nan, math.inf])
-def test_a_motion_that_is_no_number_ends_the_run(
-    stack: scripts.GivenAssembly, nowhere: float
-) -> None:
+def test_a_motion_that_is_no_number_ends_the_run(stack: GivenAssembly, nowhere: float) -> None:
     with pytest.raises(SystemExit, match="diverged"):
         Fall(stack, 1e-2, [STILL] * 3).sees(shifted(0.0, 0.0, nowhere), 10)
 
@@ -259,7 +193,7 @@ def test_a_point_moves_on_a_circle_however_far_its_piece_turns() -> None:
     assert moved((3.0, 0.0, 0.0), (1.0, 0.0, 0.0), quarter) == pytest.approx([-2.0, 2.0, 1.0])
 
 
-def test_vertices_past_the_edge_of_a_side_have_left_it(stack: scripts.GivenAssembly) -> None:
+def test_vertices_past_the_edge_of_a_side_have_left_it(stack: GivenAssembly) -> None:
     def lost(*far: float) -> list[int]:
         return Surroundings(stack).look(shifted(*far))
 
@@ -272,7 +206,7 @@ def test_vertices_past_the_edge_of_a_side_have_left_it(stack: scripts.GivenAssem
     assert lost(0.0, width, width) != upper  # they move as one
 
 
-def test_small_motions_that_add_up_are_seen(stack: scripts.GivenAssembly) -> None:
+def test_small_motions_that_add_up_are_seen(stack: GivenAssembly) -> None:
     around, width = Surroundings(stack), max(node.position_m[0] for node in stack.nodes) * 2
     steps = 1 + int(width / 2 / (0.6 * LOOK * stack.length_m))
     lost = [
@@ -293,18 +227,16 @@ def test_small_motions_that_add_up_are_seen(stack: scripts.GivenAssembly) -> Non
 
 
 @pytest.fixture
-def row(tmp_path: Path) -> scripts.GivenAssembly:
+def row() -> GivenAssembly:
     """Two blocks side by side on the ground, with a gap of 0.05 m along x."""
     ground = box("ground", (-1.0, -1.0, -0.2), (1.0, 1.0, 0.0), 2e3, fixed=True)
     ends = {"left": (-0.25, 0.0), "right": (0.05, 0.3)}
     cubes = [box(n, (x, -0.1, 0.0), (to, 0.1, 0.2), 2e3) for n, (x, to) in ends.items()]
     model = structure([ground, *cubes], dry(0.5))
-    return as_read(model, acceleration(model, (1.0, 0.0, 0.0)), tmp_path)
+    return as_read(model, acceleration(model, (1.0, 0.0, 0.0)))
 
 
-def test_blocks_without_an_interface_meet_where_the_gap_between_them_has_closed(
-    row: scripts.GivenAssembly,
-) -> None:
+def test_blocks_without_an_interface_meet_where_their_gap_has_closed(row: GivenAssembly) -> None:
     met = "left meets right, where they had no interface"
     closed = 0.05 + MET * row.length_m
     assert meeting(row, shifted(0.0, 0.99 * closed, 0.0), row.nodes) is None
@@ -317,9 +249,7 @@ def test_blocks_without_an_interface_meet_where_the_gap_between_them_has_closed(
         assert meeting(row, [STILL, turned, STILL], row.nodes) == expected
 
 
-def test_a_block_that_sinks_into_another_where_it_has_lost_its_contacts_meets_it(
-    row: scripts.GivenAssembly,
-) -> None:
+def test_a_block_that_sinks_where_it_lost_its_contacts_meets_another(row: GivenAssembly) -> None:
     leaning = PieceMotion((0.0, 0.0, 0.0), (0.0, 0.2, 0.0))
     lost = range(len(row.nodes))
     met = "ground meets left, beyond their interface"
@@ -329,15 +259,16 @@ def test_a_block_that_sinks_into_another_where_it_has_lost_its_contacts_meets_it
     assert meeting(row, [STILL, rocked, STILL], row.nodes, lost) is None
 
 
-def test_crosswise_edges_meet_where_no_face_does(tmp_path: Path) -> None:
+def test_crosswise_edges_meet_where_no_face_does() -> None:
     turn = Rotation.from_rotvec([0.4, 0.3, 0.2])
     ridge = ((-1.0, -1.0), (1.0, -1.0), (0.0, 0.0))
     low = prism("low", [(0.0, y, z) for y, z in ridge], (1.0, 0.0, 0.0), 2e3)
     high = prism("high", [(x + 0.5, -0.5, 0.03 - z) for x, z in ridge], (0.0, 1.0, 0.0), 2e3)
     ground = box("ground", (-1.0, -1.0, -1.2), (1.0, 1.0, -1.0), 2e3, fixed=True)
-    solids = [at_another_place(each, turn, (0.0, 0.0, 0.0)) for each in (ground, low, high)]
-    model = structure([*solids[:2], replace(solids[2], fixed=True)], dry(0.5))
-    given = as_read(model, acceleration(model, (1.0, 0.0, 0.0)), tmp_path)
+    blocks = (ground, low, replace(high, fixed=True))
+    solids = [at_another_place(each, turn, (0.0, 0.0, 0.0)) for each in blocks]
+    model = structure(solids, dry(0.5))
+    given = as_read(model, acceleration(model, (1.0, 0.0, 0.0)))
     closed = 0.03 + MET * given.length_m
     for share, met in ((0.99, None), (1.01, "low meets high, where they had no interface")):
         up = turn.apply([0.0, 0.0, share * closed])
@@ -353,9 +284,8 @@ def test_the_piece_whose_corner_a_node_is_brings_the_vertex() -> None:
     assembly = structure([ground, small, slab], dry(0.5))
     above = vertices_above(assembly)
     for number, face in enumerate(assembly.faces):
-        brought = {
-            face.above if one else face.below for one in above[assembly.nodes.face == number]
-        }
+        ends = above[assembly.nodes.face == number]
+        brought = {face.above if end else face.below for end in ends}
         assert brought == {1}
 
 
@@ -369,7 +299,7 @@ def test_between_two_corners_the_flat_side_is_the_fixed_ones() -> None:
 
 # --- records -------------------------------------------------------------------------------------
 def test_results_are_written_with_stresses_mode_and_engine(
-    three: scripts.GivenAssembly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    three: GivenAssembly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     history = History(three, time_steps=7)

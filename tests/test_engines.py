@@ -3,22 +3,22 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from click.testing import CliRunner
+from command_runner import answers
 from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case, run_guided
+from joints import loaded
 from stack import overturning, tilted_stack
 
-from sidmacib.command.main import main
+from sidmacib import Loading, static_peak
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.run import OUTPUTS, EngineError
+from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
-from sidmacib.mechanics.static import static_peak
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
 from workflow.solve import solved
@@ -31,41 +31,42 @@ def engine(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
+def found(
+    engine: str, folder: Path, problem: Problem, numerics: Numerics | None = None
+) -> dict[str, Any]:
+    run_guided(engine, problem, numerics or Numerics(tolerance=5e-4), folder, 300)
+    return dict(json.loads((folder / RESULT).read_text()))
+
+
 # --- a single face -------------------------------------------------------------------------------
-def test_one_inner_face_alone_fails_at_T0_in_pure_shear(
-    engine: str, joint: Joint, run_block
-) -> None:
+def test_an_inner_face_fails_at_T0_in_pure_shear(engine: str, joint: Joint, tmp_path: Path) -> None:
     model = block_on_ground(joint, Kind.INNER, mesh=0.02)
-    folder = run_block(engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
-    result = json.loads((folder / "result.json").read_text())
+    loads = load_on_block(model, (0.0, 1.0, 0.0), 0.0)
+    result = found(engine, tmp_path, Problem(model, loads))
     assert result["peak_load_N"] == pytest.approx(joint.T0, rel=1e-3)
     assert result["peak_load_N"] <= joint.T0 <= result["failed_load_N"]
     assert result["mode"] == "bonds"
     assert (result["engine"], result["engine_version"]) == (engine, ENGINES[engine].version())
 
 
-def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(
-    engine: str, joint: Joint, run_block
-) -> None:
+def test_a_face_fails_at_its_elastic_torque(engine: str, joint: Joint, tmp_path: Path) -> None:
     # 3 x 3 nodes: when the corners fail, what is left carries less, so first failure is the peak.
     model = block_on_ground(joint, Kind.INNER, mesh=0.02)
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
     elastic = joint.inner.cohesion * float(model.nodes.area @ arm**2) / arm.max()
-    folder = run_block(engine, model, load_on_block(model, (0.0, 0.0, 0.0), joint.a))
-    result = json.loads((folder / "result.json").read_text())
+    loads = load_on_block(model, (0.0, 0.0, 0.0), joint.a)
+    result = found(engine, tmp_path, Problem(model, loads))
     assert result["peak_load_N"] * joint.a == pytest.approx(elastic, rel=1e-3)
-    shear = pd.read_csv(folder / "nodes.csv")[["shear_x_Pa", "shear_y_Pa"]].to_numpy()
+    shear = pd.read_csv(tmp_path / "nodes.csv")[["shear_x_Pa", "shear_y_Pa"]].to_numpy()
     magnitude = np.linalg.norm(shear, axis=1)
     assert magnitude / magnitude.max() == pytest.approx(arm / arm.max(), abs=2e-3)
 
 
-def test_a_dry_block_slides_at_friction_times_its_weight(
-    engine: str, joint: Joint, run_block
-) -> None:
+def test_a_block_slides_at_friction_times_weight(engine: str, joint: Joint, tmp_path: Path) -> None:
     model = block_on_ground(replace(joint, density=1e6), Kind.DRY, mesh=0.02)
     limit = joint.dry.friction * model.pieces[1].weight
-    folder = run_block(engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
-    result = json.loads((folder / "result.json").read_text())
+    loads = load_on_block(model, (0.0, 1.0, 0.0), 0.0)
+    result = found(engine, tmp_path, Problem(model, loads))
     assert result["peak_load_N"] == pytest.approx(limit, rel=1e-3)
     assert (result["mode"], result["first_failure_load_N"]) == ("mechanism", None)
 
@@ -77,8 +78,7 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
 ) -> None:
     assembly, loads = tilted_stack(3, friction, width=width, mesh=0.1)
     expected = min(friction, overturning(assembly)) * loads.scale
-    run_guided(engine, Problem(assembly, loads), Numerics(), tmp_path, 300)
-    result = json.loads((tmp_path / "result.json").read_text())
+    result = found(engine, tmp_path, Problem(assembly, loads), Numerics())
     assert result["peak_load_N"] == pytest.approx(expected, rel=5e-3)
     assert result["mode"] == "mechanism"
 
@@ -101,10 +101,9 @@ def test_soft_faces_fail_where_the_static_model_says(
     soft = {"normal_stiffness": stiffness, "shear_stiffness": stiffness}
     joint = Joint(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
     loading = Loading(Direction(eccentricity))
-    assembly = assemble(joint, 0.02, NodeLayout.VERTICES)
-    expected = static_peak(assembly, lateral_load(joint, assembly, loading)).peak.load
-    found = run(a_case(engine, joint, loading, 0.02, NodeLayout.VERTICES))
-    assert found.peak_load == pytest.approx(expected, rel=0.015)
+    case = a_case(engine, joint, loading, 0.02, NodeLayout.VERTICES)
+    expected = static_peak(*case.subject.problem()).peak.load
+    assert run(case).peak_load == pytest.approx(expected, rel=0.015)
 
 
 def test_contacts_too_soft_for_distinct_elements_are_refused(engine: str, tmp_path: Path) -> None:
@@ -117,12 +116,11 @@ def test_contacts_too_soft_for_distinct_elements_are_refused(engine: str, tmp_pa
 def test_joints_with_hardly_any_tensile_strength_have_a_peak(engine: str, run) -> None:
     # In the static model, the limit of ever smaller tensile strengths.
     joint, loading = Joint(3, inner=replace(INNER, tensile_strength=1e-3)), Loading(Direction(0.0))
-    assembly = assemble(joint, 0.03, NodeLayout.CENTRES)
-    expected = static_peak(assembly, lateral_load(joint, assembly, loading))
+    expected = static_peak(*loaded(joint))
     none = replace(joint, inner=replace(INNER, tensile_strength=0.0))
-    found = run(a_case(engine, none, loading, mesh=0.03))
-    assert found.peak_load == pytest.approx(expected.peak.load, rel=0.01)
-    assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
+    result = run(a_case(engine, none, loading, mesh=0.03))
+    assert result.peak_load == pytest.approx(expected.peak.load, rel=0.01)
+    assert result.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
 
 
 def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: Path) -> None:
@@ -132,17 +130,15 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
     with pytest.raises(
         EngineError, match=r"diverged|try a smaller time_step_ratio|LIGGGHTS ended before its"
     ):
-        run_guided(engine, Problem(assembly, loads), numerics, tmp_path, 120)
-    assert not (tmp_path / "result.json").exists()
+        found(engine, tmp_path, Problem(assembly, loads), numerics)
+    assert not (tmp_path / RESULT).exists()
 
 
 # --- the joint -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, float("inf")])
-def test_every_piece_is_in_equilibrium_under_its_stresses(
-    engine: str, run, eccentricity: float
-) -> None:
+def test_stresses_balance_every_piece(engine: str, run, eccentricity: float) -> None:
     result = run(a_case(engine, Joint(3), Loading(Direction(eccentricity)), mesh=0.02))
     assert result.unbalanced_share < 0.0075
 
@@ -171,13 +167,10 @@ def test_the_history_has_load_displacement_shear_and_breakage(engine: str, run) 
 
 
 @pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 0.2), (3, float("inf"))])
-def test_the_static_model_finds_the_same_peak_and_weights(
-    engine: str, run, locks: int, eccentricity: float
-) -> None:
-    joint, loading = Joint(locks), Loading(Direction(eccentricity))
-    result = run(a_case(engine, joint, loading, mesh=0.02))
-    model = assemble(joint, 0.02, NodeLayout.CENTRES)
-    peak = static_peak(model, lateral_load(joint, model, loading)).peak
+def test_the_static_model_finds_the_same(engine: str, run, locks: int, eccentricity: float) -> None:
+    joint = Joint(locks)
+    result = run(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02))
+    peak = static_peak(*loaded(joint, eccentricity, 0.02)).peak
     assert peak.load == pytest.approx(result.peak_load, rel=0.01)
     inner = result.nodes["lock"].to_numpy()
     for row in result.weights.itertuples():
@@ -211,9 +204,7 @@ def test_joints_of_other_kinds_have_the_static_models_peak_and_weights(
 
 
 @pytest.mark.parametrize("times", [1.0, 100.0])
-def test_a_column_that_breaks_off_stands_only_where_it_turns_little(
-    engine: str, run, times: float
-) -> None:
+def test_a_broken_column_stands_only_where_it_turns_little(engine: str, run, times: float) -> None:
     # With the usual stiffness it turns by 8 degrees in the static model's next equilibrium.
     inner, dry = (
         replace(law, normal_stiffness=times * 1e10, shear_stiffness=times * 1e10)
@@ -225,9 +216,8 @@ def test_a_column_that_breaks_off_stands_only_where_it_turns_little(
     result, (expected, _, _) = run(case), solved(case, static_model)
     assert expected.load_N == pytest.approx(550.2 if times == 1.0 else 1148.2, rel=1e-3)
     assert result.peak_load == pytest.approx(expected.load_N, rel=0.02)
-    assert result.record.first_failure_load_N == pytest.approx(
-        expected.first_failure_load_N, rel=0.01
-    )
+    first = expected.first_failure_load_N
+    assert result.first_failure_load == pytest.approx(first, rel=0.01)
 
 
 def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
@@ -239,7 +229,6 @@ def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
 
 # --- the command ---------------------------------------------------------------------------------
 def test_the_command_finds_what_an_engine_finds(engine: str) -> None:
-    asked = ("capacity", "-n", "3", "-m", "static", "-m", engine, "--format", "json")
-    static, found = json.loads(CliRunner().invoke(main, asked).output)
-    assert found["V (N)"] == pytest.approx(static["V (N)"], rel=0.005)
-    assert found["note"].startswith("failure mode: bonds; ")
+    static, row = answers("capacity", "-n", "3", "-m", "static", "-m", engine)
+    assert row["V (N)"] == pytest.approx(static["V (N)"], rel=0.005)
+    assert row["note"].startswith("failure mode: bonds; ")

@@ -46,36 +46,16 @@ def test_points_inside_an_edge_are_no_vertices(angle: float) -> None:
     assert len(polygon(mean_support).vertices) == 4
 
 
-@pytest.mark.parametrize("lean", [(1, 5), (1, -5), (-1, 5), (-1, -5)])
-def test_a_slender_triangle_that_leans_has_three_vertices(lean: tuple[int, int]) -> None:
-    """One corner is furthest in many directions."""
-    corners = np.array([[0.0, 0.0], lean, [0.5 * lean[0], 0.0]])
-    found = polygon(support_of(corners)).vertices
-    assert {tuple(v) for v in found} == {tuple(v) for v in corners}
+SLENDER = [  # leaning triangles, whose one corner is furthest in many directions
+    [(0.0, 0.0), (across, up), (0.5 * across, 0.0)] for across in (1, -1) for up in (5, -5)
+]
+STRAIGHT = [[(-5, -2), (-5, 3)], [(5, 2), (5, 3)], [(0, -1), (2, 1)]]
 
 
-@pytest.mark.parametrize("ends", [[(-5, -2), (-5, 3)], [(5, 2), (5, 3)], [(0, -1), (2, 1)]])
-def test_a_straight_line_has_its_ends_for_vertices(ends: list[tuple[int, int]]) -> None:
-    found = polygon(support_of(np.array(ends, float))).vertices
-    assert {tuple(v) for v in found} == set(ends)
-
-
-def test_a_single_point_has_one_vertex() -> None:
-    assert polygon(lambda normal: np.array([0.2, 0.3])).vertices.tolist() == [[0.2, 0.3]]
-
-
-def test_vertices_go_round_counter_clockwise_from_the_smallest_shear(joint: Joint) -> None:
-    vertices = envelope(Sidmacib(joint, OPTIONS["option4"])).vertices
-    assert vertices[0, 0] == pytest.approx(vertices[:, 0].min())
-    following = np.roll(vertices, -1, axis=0)
-    assert np.sum(np.linalg.det(np.stack([vertices, following], axis=1))) > 0
-
-
-def test_without_friction_the_envelope_is_a_rhombus(joint: Joint) -> None:
-    found = envelope(Sidmacib(joint, OPTIONS["option1"], friction=False))
-    expected = [(-720.0, 0.0), (0.0, -21.6), (720.0, 0.0), (0.0, 21.6)]
-    assert found.vertices == pytest.approx(np.array(expected), abs=1e-6)
-    assert found.programmes <= 8
+@pytest.mark.parametrize("corners", [*SLENDER, *STRAIGHT, [(0.2, 0.3)]])
+def test_a_slender_triangle_a_line_and_a_point_have_their_ends_for_vertices(corners) -> None:
+    found = polygon(support_of(np.array(corners, float))).vertices
+    assert sorted(map(tuple, found)) == sorted(corners)
 
 
 @pytest.mark.parametrize("locks", [3, 5, 6])
@@ -102,10 +82,7 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
 
 
 @settings(max_examples=20)
-@given(
-    st.lists(st.integers(1, 50), min_size=2, max_size=6, unique=True),
-    st.integers(2, 5),
-)
+@given(st.lists(st.integers(1, 50), min_size=1, max_size=6, unique=True), st.integers(2, 5))
 def test_without_friction_a_contact_point_adds_two_edges(distances: list[int], locks: int) -> None:
     """V is the sum of the forces across, M of the forces times x: a zonogon, known by hand."""
     joint, positions = Joint(locks), [sign * x for x in distances for sign in (-1, 1)]
@@ -125,11 +102,8 @@ def around_a_circle(noise: float):
     return lambda normal: exact(normal) + noise * random.uniform(-1, 1, 2)
 
 
-def test_answers_that_are_a_little_off_give_the_same_vertices() -> None:
+def test_answers_may_be_a_little_off_but_not_contradict_each_other() -> None:
     assert len(polygon(around_a_circle(1e-9)).vertices) == 50
-
-
-def test_answers_that_contradict_each_other_are_an_error() -> None:
     with pytest.raises(SolverError, match="incomplete after 1000 programmes"):
         polygon(around_a_circle(1e-3))
 
@@ -164,8 +138,11 @@ def test_reductions_of_five_locks(reduction: str, strength: tuple[float, ...]) -
     assert REDUCTIONS[reduction](Joint(5), WEIGHTS) == pytest.approx(strength)
 
 
-def test_upper_locks_count_only_when_all_lower_ones_do() -> None:
+def test_lower_locks_count_before_upper_ones() -> None:
     assert active(Joint(5), 3) == (1, 1, 0, 1, 0)
+    joint = Joint(3, first=Side.LOWER)
+    assert half_rule(joint, ()) == (1.0, 0.0, 0.0)
+    assert REDUCTIONS["lower_sum"](joint, (0.1, 1.0, 0.9)) == (0.1, 0.0, 0.9)
 
 
 def test_half_of_an_even_number_is_refused() -> None:
@@ -181,12 +158,6 @@ def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) 
         REDUCTIONS[rule](wide, (1.0, 1.0, 1.0))
     heavy = Joint(3, different={2: OwnLock(density=2000.0)})
     assert sum(REDUCTIONS[rule](heavy, (0.5, 0.5, 0.0))) == 1.0
-
-
-def test_from_the_lower_block_on_lower_locks_count_first_too() -> None:
-    joint = Joint(3, first=Side.LOWER)
-    assert half_rule(joint, ()) == (1.0, 0.0, 0.0)
-    assert REDUCTIONS["lower_sum"](joint, (0.1, 1.0, 0.9)) == (0.1, 0.0, 0.9)
 
 
 @pytest.mark.parametrize("sum_", [0.0, 0.999, 1.0, 2.5, 5.0, 9.0])

@@ -10,15 +10,16 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
-from conftest import block_on_ground
+from joints import loaded
 
 from sidmacib.engines import ENGINES, Engine
 from sidmacib.engines.render import DATA_FILE, MODULES
 from sidmacib.engines.run import OUTPUTS, EngineError, EngineNoAnswerError, execute, refusal
-from sidmacib.joint import Joint
-from sidmacib.mechanics.assembly import Failure, Kind
+from sidmacib.joint import INNER, Joint
+from sidmacib.mechanics.assembly import Elastic, Failure
 
 RESULT = {"peak_load_N": 12.5, "failed_load_N": 12.6}
 GOOD = f"""
@@ -74,9 +75,7 @@ def test_a_run_that_ends_badly_leaves_no_result(tmp_path: Path, text: str, messa
     assert not list(folder.glob("running-*"))
 
 
-def test_a_script_that_gives_a_reason_is_distinguished_from_one_that_crashes(
-    tmp_path: Path,
-) -> None:
+def test_a_script_that_gives_a_reason_is_told_from_one_that_crashes(tmp_path: Path) -> None:
     text = "from engines.scripts.records import NoAnswerError\nraise NoAnswerError('it drifts off')"
     folder = folder_with(tmp_path, text)
     shutil.copytree(MODULES / "scripts", folder / MODULES.name / "scripts")
@@ -138,17 +137,26 @@ def test_the_program_ends_however_its_runner_ends(tmp_path: Path, number: signal
 
 
 # --- what an engine can do -----------------------------------------------------------------------
-def test_an_engine_says_why_it_cannot_compute_an_assembly(joint: Joint) -> None:
-    assembly = block_on_ground(joint, Kind.INNER, 0.02)
-    assert refusal(ENGINES["liggghts"], assembly) is None
-    ductile = replace(assembly, failure=Failure.DUCTILE)
-    assert "ductile" in str(refusal(ENGINES["liggghts"], ductile))
-    assert refusal(ENGINES["yade"], ductile) is None
-    softening = replace(assembly, failure=Failure.SOFTENING)
-    assert "no engine models softening bonds; use the static model" in str(
-        refusal(ENGINES["yade"], softening)
-    )
-    material = replace(assembly.faces[0].material, shear_stiffness=1e9)
-    soft = replace(assembly, faces=(replace(assembly.faces[0], material=material),))
-    assert "one stiffness" in str(refusal(ENGINES["liggghts"], soft))
-    assert refusal(ENGINES["yade"], soft) is None
+SOFT = {"inner": replace(INNER, shear_stiffness=1e9)}
+DUCTILE, BENDS = {"failure": Failure.DUCTILE}, {"elastic": Elastic(1e10)}
+
+
+@pytest.mark.parametrize(
+    ("engine", "joint", "words"),
+    [
+        *(("liggghts", {}, ""), ("yade", DUCTILE, ""), ("yade", SOFT, ""), ("calculix", BENDS, "")),
+        ("liggghts", DUCTILE, "ductile"),
+        (
+            "yade",
+            {"failure": Failure.SOFTENING},
+            "no engine models softening bonds; use the static model",
+        ),
+        ("liggghts", SOFT, "one stiffness"),
+        ("yade", BENDS, "only rigid"),
+        ("calculix", {}, "only elastic"),
+        ("calculix", BENDS | DUCTILE, "ductile"),
+    ],
+)
+def test_an_engine_says_what_it_cannot_do(engine: str, joint: dict[str, Any], words: str) -> None:
+    said = refusal(ENGINES[engine], loaded(Joint(3, **joint)).assembly)
+    assert said is None if not words else words in str(said)

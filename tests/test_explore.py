@@ -20,14 +20,11 @@ from analysis.explore.state import (
     from_query,
     query_of,
 )
+from sidmacib import Direction, NodeLayout, law, static_first_failure
 from sidmacib.answers.joint import meshes
-from sidmacib.joint import Direction
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.parameters import PARAMETERS
-from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.static import static_first_failure
 from sidmacib.problem import Problem
-from sidmacib.rule import law
 from workflow.configuration import read_study
 
 STATES = (
@@ -85,9 +82,7 @@ def test_the_configuration_is_a_study_of_the_same_joint(state: Settings) -> None
 
 
 @pytest.mark.parametrize("state", [*STATES[:-1], replace(STATES[-1], young=0.0)])
-def test_the_python_prints_the_law_of_the_same_joint(
-    state: Settings, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_script_prints_the_law(state: Settings, capsys: pytest.CaptureFixture[str]) -> None:
     exec(as_python(state), {})
     expected = law(state.joint, Direction(state.eccentricity)).load
     assert f"{expected:.6g}"[:6] in capsys.readouterr().out
@@ -122,9 +117,7 @@ def test_the_curve_states_the_lowest_peak_found_where_it_is_below_the_curve() ->
 
 
 @pytest.mark.parametrize("name", ["a", "b", "h", "H"])
-def test_the_law_answers_at_the_ends_of_a_range_and_not_a_tenth_of_the_slider_beyond(
-    name: str,
-) -> None:
+def test_the_law_answers_at_ends_of_a_range_and_not_a_tenth_of_a_slider_beyond(name: str) -> None:
     state, slider = Settings(locks=5), SLIDERS[name]
     span = covered(state)[name]
     assert span is not None

@@ -5,12 +5,13 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import PATIENCE, Opened, needs_browser
-from explorer import Served, explorer
-from offline import WATCH, leaving_in_browser, leaving_in_html
+from chromium import Opened, needs_browser
+from explorer import Served, choose, explorer, opened_at, settle
+from offline import leaving_in_browser, leaving_in_html
 from playwright.sync_api import Browser, Page, expect
 
 from analysis.explore import app
+from analysis.explore.examples import EXAMPLES
 from analysis.explore.pictures import Answers, answers
 from analysis.explore.state import SLIDERS, Settings
 
@@ -43,34 +44,11 @@ requestAnimationFrame(look);
 pytestmark = [pytest.mark.study, needs_browser]
 
 
-@pytest.fixture(scope="module")
-def served() -> Iterator[Served]:
-    with explorer() as found:
-        found.ask({})  # compiled
-        yield found
-
-
-def opened_at(browser: Browser, served: Served, query: str = "", width: int = 1400) -> Opened:
-    page = browser.new_page(viewport={"width": width, "height": 900})
-    found = Opened(page)
-    page.add_init_script(WATCH)
-    page.add_init_script(RECORDER)
-    page.goto(f"{served.url}/{query}")
-    settle(page)
-    return found
-
-
 @pytest.fixture
 def opened(browser: Browser, served: Served) -> Iterator[Opened]:
-    found = opened_at(browser, served)
+    found = opened_at(browser, served.url, RECORDER)
     yield found
     found.page.close()
-
-
-def settle(page: Page) -> None:
-    """Wait until numbers and curve are of the joint of the sliders."""
-    for part in ("#answer", "#curve"):
-        expect(page.locator(part)).to_have_attribute("aria-busy", "false", timeout=PATIENCE)
 
 
 def require_true(page: Page) -> list[dict[str, Any]]:
@@ -120,9 +98,7 @@ def test_thirty_presses_of_a_key_end_in_the_joint_that_they_chose(opened: Opened
     assert page.evaluate("window.posts") - posts <= 2 * 26  # from 5 locks to 31
 
 
-def test_a_joint_that_cannot_be_computed_is_not_shown_as_if_it_were(
-    opened: Opened, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_computation_is_not_shown(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(state: Settings) -> Answers:
         raise ArithmeticError("no matrix")
 
@@ -141,7 +117,7 @@ def test_a_joint_that_cannot_be_computed_is_not_shown_as_if_it_were(
 
 def test_a_server_that_was_stopped_is_reported(browser: Browser) -> None:
     with explorer() as server:
-        page = opened_at(browser, server).page
+        page = opened_at(browser, server.url, RECORDER).page
     page.focus("#locks")
     page.keyboard.press("ArrowRight")
     expect(page.locator("#problem")).to_contain_text("The server does not answer.")
@@ -149,10 +125,8 @@ def test_a_server_that_was_stopped_is_reported(browser: Browser) -> None:
     page.close()
 
 
-def test_a_link_beyond_the_sliders_shows_the_joint_and_says_so(
-    browser: Browser, served: Served
-) -> None:
-    page = opened_at(browser, served, "?locks=999").page
+def test_a_link_beyond_the_sliders_is_shown_at_their_ends(browser: Browser, served: Served) -> None:
+    page = opened_at(browser, f"{served.url}/?locks=999").page
     assert "locks: 999 is outside 2 to 31; 31 is shown." in (page.text_content("#notes") or "")
     assert (page.text_content("#words") or "").startswith("31 locks, ")
     assert page.text_content("#link") == f"{served.url}/?locks=31"
@@ -163,24 +137,16 @@ def test_a_typed_number_moves_its_slider_and_the_address_opens_the_same_joint(
     opened: Opened, browser: Browser, served: Served
 ) -> None:
     page = opened.page
-    page.fill("#locks-value", "7")
-    page.keyboard.press("Tab")
-    settle(page)
+    choose(page, "locks", "7")
     assert page.input_value("#locks") == "7"
     page.select_option("#one_piece", label="one piece")
     settle(page)
     words = page.text_content("#words")
     assert (words or "").startswith("7 locks, ")
     assert page.url == f"{served.url}/?locks=7&one_piece=1"
-    again = opened_at(browser, served, "?locks=7&one_piece=1").page
+    again = opened_at(browser, f"{served.url}/?locks=7&one_piece=1").page
     assert again.text_content("#words") == words
     again.close()
-
-
-def choose(page: Page, name: str, value: str) -> None:
-    page.fill(f"#{name}-value", value)
-    page.keyboard.press("Tab")
-    settle(page)
 
 
 def compared(page: Page) -> dict[str, list[str]]:
@@ -190,9 +156,7 @@ def compared(page: Page) -> dict[str, list[str]]:
     return {name: cells for name, *cells in lines}
 
 
-def test_two_joints_stand_beside_each_other_and_the_address_brings_both_back(
-    opened: Opened, browser: Browser, served: Served
-) -> None:
+def test_joints_are_compared_and_shared(opened: Opened, browser: Browser, served: Served) -> None:
     page = opened.page
     assert not page.is_visible("#kept")
     page.click("#keep")
@@ -211,7 +175,7 @@ def test_two_joints_stand_beside_each_other_and_the_address_brings_both_back(
     assert lines["strength of a lock T0 (N)"] == ["240", "480", "+240", "+100.0 %"]
     assert lines["peak, static model: V (N)"][3] == lines["load that counts: V (N)"][3]
     assert ("kept: 5 locks, 60 \N{MULTIPLICATION SIGN} 50 mm", "dash") in dashes(page)
-    again = opened_at(browser, served, page.url.partition("/?")[1] + page.url.partition("/?")[2])
+    again = opened_at(browser, page.url)
     assert compared(again.page) == lines
     assert dashes(again.page) == dashes(page)
     again.page.click("#swap")
@@ -295,19 +259,37 @@ def test_a_drag_is_one_step_and_text_in_a_field_has_an_undo_of_its_own(opened: O
     expect(page.locator("#locks-value")).to_have_value("11")
 
 
-def test_nothing_leaves_the_machine(opened: Opened, served: Served) -> None:
-    assert leaving_in_html(served.get("/").text) == []
-    assert opened.page.locator(".modebar-btn").count() > 6
+# --- both pages ----------------------------------------------------------------------------------
+PARTS = {"/": ".modebar-btn", "/structures": "#structure option"}
+
+
+@pytest.mark.parametrize("path", PARTS)
+def test_nothing_leaves_the_machine(browser: Browser, served: Served, path: str) -> None:
+    opened = opened_at(browser, f"{served.url}{path}")
+    assert leaving_in_html(served.get(path).text) == []
+    assert opened.page.locator(PARTS[path]).count() >= len(EXAMPLES)
     assert leaving_in_browser(opened.page) == []
     assert all(url.startswith((served.url, "data:", "blob:")) for url in opened.requests)
     assert opened.errors == []
+    opened.page.close()
 
 
-def test_everyone_can_read_it_in_a_narrow_window_too(browser: Browser, served: Served) -> None:
+NARROW = {"viewport": {"width": 380, "height": 800}}
+
+
+@pytest.mark.parametrize(
+    ("path", "window"),
+    [
+        ("/", NARROW),
+        *(("/structures?structure=keyed", each) for each in ({}, {"color_scheme": "dark"}, NARROW)),
+    ],
+)
+def test_everyone_can_read_it(browser: Browser, served: Served, path: str, window: Any) -> None:
     """What an automatic check of accessibility can see."""
-    page = opened_at(browser, served, width=380).page
-    assert page.locator("label").count() == len(SLIDERS)
+    page = opened_at(browser, f"{served.url}{path}", **window).page
     found = Axe().run(page)
     assert found.violations_count == 0, found.generate_report()
-    assert page.evaluate("document.documentElement.scrollWidth") <= 380
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    if path == "/":
+        assert page.locator("label").count() == len(SLIDERS)
     page.close()

@@ -63,19 +63,12 @@ def test_a_sweep_over_many_samples_has_figures_of_the_first_ones_only() -> None:
     assert drawn == {None, *(f"n{n}" for n in range(12))}
 
 
-@pytest.fixture(params=NodeLayout)
-def face_and_nodes(request: pytest.FixtureRequest):
-    model = assemble(Joint(3), 0.005, request.param)
-    locks_of_faces = lock_faces(Joint(3))
-    names = [locks_of_faces.get(face.name) for face in model.faces]
-    number, face = names.index(1), model.faces[names.index(1)]
-    positions = model.nodes.position[model.nodes.face == number]
-    return face, pd.DataFrame(positions, columns=["x_m", "y_m", "z_m"])
-
-
-def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
-    face, nodes = face_and_nodes
-    corners = np.array(_cells(nodes, face))
+@pytest.mark.parametrize("layout", NodeLayout)
+def test_the_cells_of_a_stress_map_fill_the_face(layout: NodeLayout) -> None:
+    model, locks = assemble(Joint(3), 0.005, layout), lock_faces(Joint(3))
+    number = next(k for k, face in enumerate(model.faces) if locks.get(face.name) == 1)
+    face, places = model.faces[number], model.nodes.position[model.nodes.face == number]
+    corners = np.array(_cells(pd.DataFrame(places, columns=["x_m", "y_m", "z_m"]), face))
     sides = np.ptp(corners, axis=1)
     assert sides.prod(axis=1).sum() == pytest.approx(1e6 * face.area)  # mm2
     for axis, corner in ((1, corners[..., 0]), (0, corners[..., 1])):
@@ -105,10 +98,9 @@ def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> lis
     for kind in KINDS:
         write_table(kind, tables[kind.name], inputs[kind.name])
     part = study.part("variants", "figures", "measured")
-    arguments = {"study": part}
     names = figures_of(study)
     saved = [folder / f"{name}.png" for name in names if not name.startswith(("joint", "options"))]
-    run(arguments, inputs, {"figures": saved})
+    run({"study": part}, inputs, {"figures": saved})
     return [path.stem for path in saved if path.exists()]
 
 

@@ -219,9 +219,7 @@ def test_a_joint_that_rocks_first_has_the_load_at_which_it_does_and_no_scatter()
         scatter(joint, direction, 0.2)
 
 
-def test_every_number_of_a_joint_is_in_a_range_of_the_rule_or_refused_or_without_influence() -> (
-    None
-):
+def test_every_number_of_a_joint_is_in_a_range_of_the_rule_refused_or_without_influence() -> None:
     """A new field must join one of these: the rule was not attacked with it."""
     ranges = {"locks", "a", "b", "h", "H", "density", "inner", "dry", "hold_down", "elastic"}
     refused = {"different", "upper_body"}  # the latter only where columns are joined
