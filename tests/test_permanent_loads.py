@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from described import CUBE, DOWN, PUSH, WEIGHT
 from structures import dry, example, solved
 
 from analysis.tables.structures import structures_table
@@ -25,22 +26,18 @@ from sidmacib.structure.files.loads import PermanentSection, permanent_on
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import Permanent
 from sidmacib.structure.structure import structure
+from workflow.schema import with_changes
 
 FRICTION, DENSITY = 0.5, 2000.0
-WEIGHT = DENSITY * GRAVITY  # of the cube of 1 m
-CUBE: dict[str, Any] = {
-    "blocks": {
-        "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
-        "cube": {"low": [0, 0, 0], "high": [1, 1, 1], "density": DENSITY},
-    },
-    "interfaces": {"friction": FRICTION},
-    "load": {"acceleration": [1, 0, 0]},
-}
+PUSHED: dict[str, Any] = {**CUBE, "load": PUSH}
+
+
+SOIL = {"side": [1, 0, 0], "level": 1, "density": 1800}
 
 
 def sliding(*permanent: dict[str, Any]) -> float:
     """The push along x, in N, that the cube carries."""
-    problem = structure_of({**CUBE, "permanent": list(permanent)})
+    problem = structure_of({**PUSHED, "permanent": list(permanent)})
     return limit_load(*problem, friction=True).load
 
 
@@ -62,21 +59,11 @@ def on(assembly: Assembly, *permanent: dict[str, Any]) -> Permanent:
             FRICTION * WEIGHT - 0.5 * 1000.0 * GRAVITY * 0.8**2,
         ),
         (
-            {
-                "earth": {
-                    **{"side": [1, 0, 0], "level": 1, "density": 1800},
-                    **{"coefficient": 0.3, "surcharge": "10kPa"},
-                }
-            },
+            {"earth": SOIL | {"coefficient": 0.3, "surcharge": "10kPa"}},
             FRICTION * WEIGHT + 0.3 * (0.5 * 1800.0 * GRAVITY + 10_000.0),
         ),
         (
-            {
-                "force": {
-                    **{"block": "cube", "at": [0.5, 0.5, 1]},
-                    **{"direction": [0, 0, -2], "newtons": "3kN"},
-                }
-            },
+            {"force": DOWN["force"] | {"direction": [0, 0, -2], "newtons": "3kN"}},
             FRICTION * (WEIGHT + 3000.0),
         ),
     ],
@@ -89,16 +76,10 @@ def test_a_cube_slides_where_friction_and_permanent_loads_say(
 
 def test_earth_behind_a_wall_overturns_it_at_the_height_of_the_triangle() -> None:
     """A wall of 0.5 by 2 m: W b / 2 = K gamma h^3 / 6 + P h / 2 about its toe."""
-    wall = {"low": [0, 0, 0], "high": [0.5, 1, 2], "density": DENSITY}
     earth = {"side": [-1, 0, 0], "level": 2, "coefficient": 0.1, "density": 1800}
-    given = {
-        **CUBE,
-        "blocks": {**CUBE["blocks"], "cube": wall},
-        "interfaces": {"friction": 2},
-        "permanent": [{"earth": earth}],
-    }
-    weight, push = WEIGHT, 0.1 * 1800 * GRAVITY * 2**2 / 2
-    expected = weight * 0.25 - push * 2 / 3
+    wall = {"blocks": {"cube": {"high": [0.5, 1, 2]}}, "interfaces": {"friction": 2}}
+    given = with_changes(PUSHED, wall) | {"permanent": [{"earth": earth}]}
+    expected = WEIGHT * 0.25 - 0.1 * 1800 * GRAVITY * 2**2 / 2 * 2 / 3
     assert limit_load(*structure_of(given), friction=True).load == pytest.approx(expected, rel=1e-6)
 
 
@@ -139,8 +120,8 @@ def test_pressure_on_blocks_with_locks_is_that_on_their_sides() -> None:
 
 def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
     """A block that rocks about an edge under its weight and a force on the middle of its top."""
-    force = {"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1], "newtons": WEIGHT}
-    given = {**CUBE, "interfaces": {"friction": 2}, "permanent": [{"force": force}]}
+    force = DOWN["force"] | {"newtons": WEIGHT}
+    given = {**PUSHED, "interfaces": {"friction": 2}, "permanent": [{"force": force}]}
     curve = capacity_curve(*structure_of(given))
     turns = [each.placed.turn[1] for each in curve.path.positions[:-1]]
     turn = np.array([math.atan2(each[0, 2], each[0, 0]) for each in turns])
@@ -177,12 +158,7 @@ def test_a_fault_of_a_permanent_load_is_named(permanent: dict[str, Any], message
 SLOPE = {"tilt": {"axis": [0, 1, 0]}}
 PRESSED = [
     {"surcharge": {"pascals": 0.4 * WEIGHT}},
-    {
-        "force": {
-            **{"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1]},
-            "newtons": 0.4 * WEIGHT,
-        }
-    },
+    {"force": DOWN["force"] | {"newtons": 0.4 * WEIGHT}},
 ]
 
 
@@ -230,7 +206,7 @@ def test_arrows_and_words_tell_what_does_not_turn() -> None:
     assert load_of(problem).endswith("permanent loads beside weight, together (0, 0, -7848) N")
 
 
-@pytest.mark.parametrize("load", [CUBE["load"], SLOPE])
+@pytest.mark.parametrize("load", [PUSH, SLOPE])
 def test_what_falls_is_said_to_fall_by_all_permanent_loads(load: dict[str, Any]) -> None:
     pressed = {"pressure": {"side": [-1, 0, 0], "pascals": 2 * WEIGHT}}
     problem = structure_of({**CUBE, "permanent": [pressed], "load": load})
