@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib import OPTIONS, CapacityError, InfeasibleError, Sidmacib, capacity, limit_load
+from sidmacib import OPTIONS, InfeasibleError, Sidmacib, capacity, limit_load
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
@@ -121,20 +121,6 @@ def test_a_rule_under_pressure_counts_only_where_the_interface_is_compressed_as_
         carried(2e4, pushed=1.9e4)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"widths": (0.04, 0.05, 0.05, 0.05, 0.06)}, "widths: .* equal with condensed.rule"),
-        ({"height": 0.12}, "condensed.rule: safe has no answer: h / b: 2.4 is not allowed"),
-    ],
-)
-def test_a_rule_for_locks_that_it_was_not_tested_on_is_refused(change: dict, message: str) -> None:
-    joint = Joint(5, upper_body=UpperBody.MONOLITHIC)
-    locks = replace(locks_of(joint, Condensed(rule="safe")), **change)
-    with pytest.raises(ValueError, match=message):
-        structure(two_blocks(joint), joint.dry, locked={PAIR: locks})
-
-
 def test_locks_take_nothing_from_the_mass_of_an_arch_and_alternate() -> None:
     blocks = arch(5, 0.3)
     pairs = [frozenset((f"voussoir{k}", f"voussoir{k + 1}")) for k in range(4)]
@@ -162,31 +148,3 @@ def test_a_block_across_a_joint_of_two_others_can_have_locks_to_both() -> None:
     variable[2] = [0.0, 1.0, 0.0, 0.1, 0.0, 0.0]  # 1 N in the plane of the interfaces
     found = limit_load(model, Loads(np.zeros_like(variable), variable, 1e3))
     assert found.load == pytest.approx(2 * locks.inner.cohesion * 0.1 * 0.2, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"row": None}, "row: must be given, or else run, and not both"),
-        ({"row": (0.0, 0.0, 1.0)}, "row: .* a direction not across the interface"),
-        ({"count": 0}, "count: 0 is not allowed"),
-        ({"height": 0.2}, "height of locks: 0.2 is not allowed; it must be less than"),
-        ({"first": "roof"}, "first: 'roof' is not allowed; it must be one of the two blocks"),
-        ({"widths": (0.1,) * 5}, "widths: .* add up to 0.25 m"),
-        ({"widths": (0.1, 0.15)}, "widths: .* one for each of the 5 locks"),
-    ],
-)
-def test_locks_that_do_not_fit_are_refused_by_name(change: dict, message: str) -> None:
-    joint = Joint(5, upper_body=UpperBody.MONOLITHIC)
-    with pytest.raises(ValueError, match=message):
-        locks = replace(locks_of(joint), **change)
-        structure(two_blocks(joint), joint.dry, locked={PAIR: locks})
-
-
-def test_condensed_locks_are_refused_by_the_static_model() -> None:
-    joint = Joint(3, upper_body=UpperBody.MONOLITHIC)
-    two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, Condensed(ALL))})
-    variable = np.zeros((2, 6))
-    variable[1, 1] = 1.0
-    with pytest.raises(CapacityError, match="has condensed locks, which have no stiffness"):
-        static_peak(two, Loads(np.zeros((2, 6)), variable, 1.0))
