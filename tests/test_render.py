@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joints import loaded
 from processes import python
 from stack import tilted_stack
 from structures import dry
@@ -16,10 +17,8 @@ from sidmacib.engines import ENGINES, Engine, Numerics
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.run import guide_of, run_engine
 from sidmacib.engines.scripts.assembly import Guide, read_assembly
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load, posed
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Assembly, Elastic, Loads, NodeLayout
+from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import Elastic
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
@@ -31,16 +30,12 @@ def engine(request: pytest.FixtureRequest) -> Engine:
     return ENGINES[request.param]
 
 
-@pytest.fixture(name="case")
-def three_locks() -> tuple[Assembly, Loads]:
-    joint = Joint(3)
-    assembly = assemble(joint, 0.02, NodeLayout.CENTRES)
-    return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
+@pytest.fixture
+def case() -> Problem:
+    return loaded(Joint(3), 0.5, 0.02)
 
 
-def written(
-    engine: Engine, case: tuple[Assembly, Loads], folder: Path, guide: Guide | None = None
-) -> Path:
+def written(engine: Engine, case: Problem, folder: Path, guide: Guide | None = None) -> Path:
     write_script(engine, *case, Numerics(), "three locks", folder, guide)
     return folder
 
@@ -78,10 +73,9 @@ def test_the_modules_run_without_this_project(tmp_path: Path, case) -> None:
 
 def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) -> None:
     assembly, loads = tilted_stack(2)
-    faces = (
-        replace(assembly.faces[0], material=replace(assembly.faces[0].material, friction=0.1)),
-    )
-    assembly = replace(assembly, faces=faces + assembly.faces[1:])
+    first, second = assembly.faces
+    smooth = replace(first, material=replace(first.material, friction=0.1))
+    assembly = replace(assembly, faces=(smooth, second))
     write_script(engine, assembly, loads, Numerics(), "stack", tmp_path)
     tree = ast.parse((tmp_path / engine.script).read_text())
     call = next(
@@ -103,7 +97,7 @@ def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) ->
 def problems_of(engine: Engine) -> Iterator[Problem]:
     """A joint and, for an engine that can do it, a structure of blocks."""
     joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
-    yield posed(joint, Loading(Direction(0.5)), 0.03, NodeLayout.CENTRES)
+    yield loaded(joint, 0.5)
     if not engine.elastic:
         ground = box("ground", (-0.3, -0.3, -0.2), (0.3, 0.3, 0.0), 2e3, fixed=True)
         block = box("block", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.2), 2e3)
@@ -131,9 +125,7 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
 
 
 @pytest.mark.parametrize("name", [name for name in ENGINES if "guided" in ENGINES[name].reads])
-def test_the_static_model_guides_the_search(
-    name: str, case: tuple[Assembly, Loads], tmp_path: Path
-) -> None:
+def test_the_static_model_guides_the_search(name: str, case: Problem, tmp_path: Path) -> None:
     guide = guide_of(*case)
     assert guide is not None
     texts = [
