@@ -150,20 +150,15 @@ def pins(name: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", LOCKS)
-def test_a_lock_file_has_digests_of_all_it_names(name: str) -> None:
+def test_a_lock_file_is_current_and_has_digests_of_all_it_names(name: str) -> None:
+    """It has all that the project asks for, in versions that it allows."""
     text = (ROOT / name).read_text()
     named = re.findall(r"^[A-Za-z0-9._-]+==", text, re.MULTILINE)
     assert len(named) == len(PIN.findall(text)) > 0
-
-
-@pytest.mark.parametrize("name", LOCKS)
-def test_a_lock_file_is_current(name: str) -> None:
-    """It has all that the project asks for, in versions that it allows."""
     found = pins("requirements.txt") | pins(name)  # which it adds to
-    for text in LOCKS[name]:
-        wanted = Requirement(text)
+    for wanted in map(Requirement, LOCKS[name]):
         assert canonicalize_name(wanted.name) in found, f"{wanted.name}: run make lock"
-        assert found[canonicalize_name(wanted.name)] in wanted.specifier, text
+        assert found[canonicalize_name(wanted.name)] in wanted.specifier, wanted
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 from joints import loaded
 from processes import python
 from stack import tilted_stack
-from structures import dry
+from structures import on_ground
 
 from sidmacib.engines import ENGINES, Engine, Numerics
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
@@ -20,9 +20,7 @@ from sidmacib.engines.scripts.assembly import Guide, read_assembly
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.problem import Problem
-from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
-from sidmacib.structure.structure import structure
 
 
 @pytest.fixture(params=ENGINES)
@@ -40,20 +38,14 @@ def written(engine: Engine, case: Problem, folder: Path, guide: Guide | None = N
     return folder
 
 
-def test_the_script_is_python_without_traces_of_the_template(
-    engine: Engine, case, tmp_path: Path
+def test_a_script_is_python_beside_its_modules_and_needs_none_of_this_project(
+    engine: Engine, case: Problem, tmp_path: Path
 ) -> None:
     text = (written(engine, case, tmp_path) / engine.script).read_text()
     ast.parse(text)
     assert "{{" not in text and "{%" not in text
     assert "three locks" in text
-
-
-def test_all_modules_that_a_script_needs_are_beside_it_and_none_of_this_project(
-    engine: Engine, case, tmp_path: Path
-) -> None:
-    modules = written(engine, case, tmp_path) / MODULES.name
-    copied = list(modules.rglob("*.*"))
+    copied = list((tmp_path / MODULES.name).rglob("*.*"))
     assert {path.parent.name for path in copied} == {"scripts", engine.name}
     for path in copied:
         for node in ast.walk(ast.parse(path.read_text())):
@@ -99,9 +91,7 @@ def problems_of(engine: Engine) -> Iterator[Problem]:
     joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
     yield loaded(joint, 0.5)
     if not engine.elastic:
-        ground = box("ground", (-0.3, -0.3, -0.2), (0.3, 0.3, 0.0), 2e3, fixed=True)
-        block = box("block", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.2), 2e3)
-        blocks = structure([ground, block], dry(0.5))
+        blocks = on_ground(0.5)
         yield Problem(blocks, acceleration(blocks, (1.0, 0.0, 0.0)))
 
 

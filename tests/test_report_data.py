@@ -81,13 +81,13 @@ def test_the_scripts_of_the_report_declare_no_name_twice() -> None:
         assert [name for name, count in Counter(names).items() if count > 1] == []
 
 
-def case_of() -> JointCase:
-    case, *_ = shown_cases(cases_of(read_study(SMALL | {"eccentricities": [0.3]})).values())
-    return case
+@pytest.fixture(scope="module")
+def case() -> JointCase:
+    found, *_ = shown_cases(cases_of(read_study(SMALL | {"eccentricities": [0.3]})).values())
+    return found
 
 
-def test_nodes_lie_on_the_inner_face_of_their_lock() -> None:
-    case = case_of()
+def test_nodes_lie_on_the_inner_face_of_their_lock(case: JointCase) -> None:
     joint, found = case.subject.joint, path_of(case)
     assert [face["lock"] for face in found["faces"]] == [1, 2, 3]
     for face in found["faces"]:
@@ -99,11 +99,9 @@ def test_nodes_lie_on_the_inner_face_of_their_lock() -> None:
         assert len(set(zip(face["x"], face["y"], strict=True))) == len(face["x"])
 
 
-def test_stresses_stand_at_their_nodes() -> None:
+def test_stresses_stand_at_their_nodes(case: JointCase) -> None:
     """They give the shear and, with the places of the nodes, the torque that a lock carries."""
-    case = case_of()
-    found = path_of(case)
-    problem = case.subject.problem()
+    found, problem = path_of(case), case.subject.problem()
     peak, nodes = static_peak(*problem).peak, problem.assembly.nodes
     shear = np.hypot(peak.force[:, 1], peak.force[:, 2])
     stress = shear / nodes.area / case.subject.joint.inner.cohesion
@@ -114,10 +112,8 @@ def test_stresses_stand_at_their_nodes() -> None:
             assert np.abs(stress[near] - value).min() <= 6e-3 * max(value, 1e-6)
 
 
-def test_loads_are_those_of_the_static_model() -> None:
-    case = case_of()
-    found = path_of(case)
-    solution = static_peak(*case.subject.problem())
+def test_loads_are_those_of_the_static_model(case: JointCase) -> None:
+    found, solution = path_of(case), static_peak(*case.subject.problem())
     assert found["first"] == pytest.approx(solution.first_failure_load, rel=1e-5)
     assert found["steps"][-1]["load"] == pytest.approx(solution.peak.load, rel=1e-5)
     peak = [solution.peak.displacement, solution.peak.load]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import DISTINCT, run_guided
 from scipy.spatial.transform import Rotation
-from structures import dry, moved
+from structures import GROUND, dry, moved
 from test_capacity_curve import wall
 from test_supports import HalfArch, semicircle, two_spans
 
@@ -19,7 +19,7 @@ from sidmacib.engines.curve import engine_curve, engine_support_path
 from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
 from sidmacib.engines.run import EngineNoAnswerError, engine_outcome
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Outcome, Problem
@@ -44,13 +44,14 @@ def leaning(law: FaceMaterial, angle: float) -> Assembly:
     axis = np.array([0.3, 1.0, 0.2])
     turn = Rotation.from_rotvec(math.radians(angle) * axis / np.linalg.norm(axis))
     blocks = [
-        box("ground", (-0.3, -0.3, -0.2), (0.3, 0.3, 0.0), 2e3, fixed=True),
-        box("one", (-0.2, -0.15, 0.0), (0.2, 0.15, 0.3), 2e3),
-        box("two", (-0.2, -0.15, 0.3), (0.2, 0.15, 0.5), 2e3),
+        moved(block, turn, (0.1, 0.2, 0.3))
+        for block in (
+            box("ground", (-0.3, -0.3, -0.2), (0.3, 0.3, 0.0), 2e3, fixed=True),
+            box("one", (-0.2, -0.15, 0.0), (0.2, 0.15, 0.3), 2e3),
+            box("two", (-0.2, -0.15, 0.3), (0.2, 0.15, 0.5), 2e3),
+        )
     ]
-    return structure(
-        [moved(each, turn, (0.1, 0.2, 0.3)) for each in blocks], law, nodes=NodeLayout.VERTICES
-    )
+    return structure(blocks, law, nodes=NodeLayout.VERTICES)
 
 
 def pushed(assembly: Assembly) -> Problem:
@@ -100,22 +101,13 @@ def test_what_never_falls_has_no_critical_tilt(engine: str, tmp_path: Path) -> N
 def test_compression_does_not_strengthen_the_bond_of_a_rough_face(
     engine: str, tmp_path: Path
 ) -> None:
-    blocks = [
-        box("ground", (0.0, 0.0, -0.2), (0.4, 0.4, 0.0), 2e3, fixed=True),
-        box("block", (0.0, 0.0, 0.0), (0.4, 0.4, 0.1), 1e5),
-    ]
     rough = replace(MORTAR, friction=1.0, tensile_strength=1e6)
-    assembly = structure(blocks, rough)
-    weight = assembly.pieces[1].weight
-    variable = np.zeros((2, 6))
-    variable[1, 0] = 1.0
-    variable[1, 4] = -0.05  # at the face's height
-    permanent = np.zeros((2, 6))
-    permanent[1, 2] = -0.1 * weight
-    problem = Problem(assembly, Loads(permanent, variable, weight))
+    slab = box("block", (0.0, 0.0, 0.0), (0.4, 0.4, 0.1), 1e4)
+    model = structure([GROUND, slab], rough)
+    problem = Problem(model, force_at(model, "block", (0.2, 0.2, 0.0), (1.0, 0.0, 0.0)))
     outcome = found(engine, problem, tmp_path)
     cohesion = rough.cohesion * 0.4 * 0.4
-    assert 0.1 * weight > 0.4 * cohesion  # friction would be seen
+    assert slab.weight > 0.4 * cohesion  # friction would be seen
     assert outcome.first_failure_load == pytest.approx(cohesion, rel=2e-3)
 
 
