@@ -118,9 +118,7 @@ def test_pieces_share_the_rectangle_in_which_they_touch(exponent: float) -> None
 
 
 @given(st.floats(-6, 6), st.sampled_from([-1e-3, 1e-6, 1.0]), st.sampled_from([0.5, 1.0]))
-def test_pieces_apart_or_along_an_edge_share_no_face_whatever_their_size(
-    exponent: float, gap: float, beside: float
-) -> None:
+def test_pieces_apart_or_at_edges_share_no_face(exponent: float, gap: float, beside: float) -> None:
     size = 10.0**exponent
     with pytest.raises(ValueError, match="face: lower does not touch upper from below"):
         face(boxes(size, (0.0 if beside == 1.0 else gap) * size, beside))
@@ -165,9 +163,7 @@ def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, l
         (3, Loading(Direction(0.0), LoadShare.BODY), ["column1"]),
     ],
 )
-def test_the_load_acts_on_the_upper_block_only_and_is_shared_by_height(
-    locks: int, loading: Loading, names: list[str]
-) -> None:
+def test_the_load_is_shared_by_height(locks: int, loading: Loading, names: list[str]) -> None:
     joint = Joint(locks)
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     force = lateral_load(joint, model, loading).variable[:, 1]

@@ -79,9 +79,7 @@ def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
 
 # --- how long it is sought -----------------------------------------------------------------------
 @pytest.mark.parametrize("joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)])
-def test_no_lower_peak_is_sought_below_the_first_failure_or_of_bonds_that_yield(
-    joint: Joint, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_lower_peak_is_sought_in_vain(joint: Joint, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "another_peak", None)
     assert lowest_peak(*posed(joint, Loading(Direction(0.0)), 0.02)).spread == 0.0
 

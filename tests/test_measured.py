@@ -34,9 +34,7 @@ CONFIG = SMALL | {
         ({"eccentricity": "torsion", "torque": 3.0}, (0.0, 3.0)),
     ],
 )
-def test_a_load_is_given_by_its_shear_or_its_torque(
-    load: dict[str, Any], expected: tuple[float, float]
-) -> None:
+def test_a_load_is_a_shear_or_a_torque(load: dict[str, Any], expected: tuple[float, float]) -> None:
     found = MeasuredLoad.model_validate({"sample": "n3", **load}).components(a=0.06)
     assert found == pytest.approx(expected)
 

@@ -51,9 +51,7 @@ def test_an_optimum_is_found(made, expected: list[float]) -> None:
 
 @pytest.mark.parametrize("made", [linear, conic, quadratic])
 @pytest.mark.parametrize("wrong", ["x", "z"])
-def test_a_solver_that_calls_a_wrong_point_optimal_is_not_believed(
-    made, wrong: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wrong_optimum_is_not_believed(made, wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def off(solver: str, raw: object) -> _Answer:
         answer = _answer(solver, raw)
         moved = {"x": answer.x, "z": answer.z, wrong: getattr(answer, wrong) * (1 + 1e-6)}

@@ -94,9 +94,7 @@ def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
 @pytest.mark.parametrize("locks", range(2, 8))
 @pytest.mark.parametrize("first", Side)
 @pytest.mark.parametrize("push", Push)
-def test_as_many_locks_count_as_pairs_bear_in_the_direction_of_the_push(
-    locks: int, first: Side, push: Push
-) -> None:
+def test_as_many_locks_count_as_pairs_bear(locks: int, first: Side, push: Push) -> None:
     joint = Joint(locks, first=first)
     found = limit_load(*loaded(joint, push=push)).load
     order = joint.numbers if push is Push.PLUS_Y else joint.numbers[::-1]
@@ -107,9 +105,7 @@ def test_as_many_locks_count_as_pairs_bear_in_the_direction_of_the_push(
 
 @settings(max_examples=6)
 @given(different_joints, st.sampled_from([0.0, 0.3]), st.sampled_from(LoadShare))
-def test_a_joint_seen_from_behind_carries_the_same(
-    joint: Joint, eccentricity: float, share: LoadShare
-) -> None:
+def test_a_mirrored_joint_is_as_strong(joint: Joint, eccentricity: float, share: LoadShare) -> None:
     one = solved(joint, Loading(Direction(eccentricity), share, Push.PLUS_Y))
     other = solved(mirrored(joint), Loading(Direction(eccentricity), share, Push.MINUS_Y))
     assert other.peak.load == pytest.approx(one.peak.load, rel=1e-3, abs=1e-3 * joint.T0)

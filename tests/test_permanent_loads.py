@@ -68,9 +68,7 @@ def on(assembly: Assembly, *permanent: dict[str, Any]) -> Permanent:
         ),
     ],
 )
-def test_a_cube_slides_where_friction_and_permanent_loads_say(
-    permanent: dict[str, Any], push: float
-) -> None:
+def test_a_cube_slides_where_permanent_loads_say(permanent: dict[str, Any], push: float) -> None:
     assert sliding(permanent) == pytest.approx(push, rel=1e-6)
 
 

@@ -64,7 +64,7 @@ NASTY: list[tuple[str | bytes, str]] = [
 
 
 @pytest.mark.parametrize(("text", "message"), NASTY, ids=range(len(NASTY)))
-def test_a_text_that_is_no_study_is_refused_in_one_line(
+def test_a_text_that_is_no_study_is_refused(
     tmp_path: Path, text: str | bytes, message: str
 ) -> None:
     path = written(tmp_path, text)
@@ -109,9 +109,7 @@ VALUES = [  # that YAML, or its writing, makes a difference to; others: cases/re
 
 
 @pytest.mark.parametrize(("text", "message"), VALUES, ids=range(len(VALUES)))
-def test_a_value_that_is_not_allowed_is_reported_with_its_key_and_what_is(
-    tmp_path: Path, text: str, message: str
-) -> None:
+def test_a_value_not_allowed_is_named_with_what_is(tmp_path: Path, text: str, message: str) -> None:
     path = written(tmp_path, (text if text.startswith("samples") else STUDY + text))
     line, *others = lines_of(path)
     assert not others

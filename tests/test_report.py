@@ -200,9 +200,7 @@ def test_everyone_can_read_it(opened: Opened) -> None:
 
 
 @needs_browser
-def test_one_joint_is_chosen_for_the_whole_page_and_the_address_opens_it_again(
-    browser: Any, report: Path, opened: Opened
-) -> None:
+def test_the_address_opens_what_was_chosen(browser: Any, report: Path, opened: Opened) -> None:
     page = opened.page
     assert page.locator("select option[value=n5]").count() == 1
     page.select_option("#sample", "n5")
@@ -234,9 +232,7 @@ def test_a_link_to_a_section_keeps_what_is_chosen(opened: Opened) -> None:
 
 
 @needs_browser
-def test_an_address_that_names_what_is_not_there_opens_the_page_as_it_is(
-    browser: Any, report: Path
-) -> None:
+def test_an_address_of_what_is_not_there_opens_the_page(browser: Any, report: Path) -> None:
     page = browser.new_page()
     found = Opened(page)
     page.goto(f"{report.as_uri()}#nowhere&sample=q&table-name=q&curve-models-q=true&q=1")

@@ -23,9 +23,7 @@ BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("eccentricity", [0.0, 0.1, 1.0, math.inf])
 @pytest.mark.parametrize("locks", [3, 5, 8])
-def test_the_joint_carries_what_is_safe_and_fails_where_the_law_says(
-    locks: int, eccentricity: float, body: UpperBody
-) -> None:
+def test_joints_fail_where_the_law_says(locks: int, eccentricity: float, body: UpperBody) -> None:
     joint, direction = Joint(locks, upper_body=body), Direction(eccentricity)
     static = static_peak(*posed(joint, Loading(direction), 0.02))
     assert safe(joint, direction).load < static.peak.load
@@ -183,9 +181,7 @@ def test_friction_has_history(joint: Joint, eccentricity: float, push: Push, fir
         pytest.param(15, 2.5e9, 3e11, 1103.0, marks=pytest.mark.study),
     ],
 )
-def test_blocks_that_bend_share_less_among_many_locks(
-    locks: int, young: float, dry: float, carried: float
-) -> None:
+def test_blocks_that_bend_share_less(locks: int, young: float, dry: float, carried: float) -> None:
     """Locks that bend hand on less to those behind them: a spring a cut was up to 49 % too high."""
     joint = Joint(
         *(locks, 0.1, 0.05, 0.0135, 0.0285),

@@ -69,9 +69,7 @@ def test_a_joint_that_the_law_refuses_has_the_reason(change: dict[str, Any], rea
     assert table[table["model"] == "law"]["load_N"].isna().all()
 
 
-def test_a_case_of_a_rule_is_printed_without_running_anything(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_case_of_a_rule_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     config = tmp_path / "study.yaml"
     config.write_text("samples: {n3: {locks: 3}}\nvariants: {one: {upper_body: monolithic}}\n")
     study = read_study({"samples": {"n3": {"locks": 3}}, "variants": {"one": {}}})

@@ -69,9 +69,7 @@ def carried(joint: Joint, direction: Direction) -> float:
 @pytest.mark.parametrize("name", ["a", "b", "h", "cohesion", "friction"])
 @pytest.mark.parametrize("direction", [Direction(0.3), TORSION], ids=["eccentric", "torsion"])
 @pytest.mark.parametrize("joint", [Joint(5), ONE_PIECE], ids=["columns", "one piece"])
-def test_effects_are_those_of_the_joint_with_1_per_cent_more_or_less(
-    joint: Joint, direction: Direction, name: str
-) -> None:
+def test_effects_are_those_of_1_per_cent(joint: Joint, direction: Direction, name: str) -> None:
     effect = effect_of(sensitivity(joint, Loading(direction), MESH), name)
     base = carried(joint, direction)
     for part, mine in ((1.01, effect.more), (0.99, effect.less)):

@@ -38,9 +38,7 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
 
 
 @pytest.mark.parametrize("failure", [Failure.SOFTENING, Failure.DUCTILE])
-def test_bonds_with_next_to_no_tensile_strength_carry_as_much_as_those_with_none(
-    failure: Failure,
-) -> None:
+def test_next_to_no_tensile_strength_carries_as_much_as_none(failure: Failure) -> None:
     """The first failure is then at next to no load, or before the load is raised."""
     none, little = (
         static_peak(*loaded(Joint(3, failure=failure, inner=inner), math.inf, 0.025))

@@ -120,9 +120,7 @@ def test_a_new_environment_takes_the_place_of_the_old_one(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(("status", "pip_too"), [(0, False), (1, True)])
-def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
-    tmp_path: Path, status: int, pip_too: bool
-) -> None:
+def test_uv_installs_and_pip_where_it_cannot(tmp_path: Path, status: int, pip_too: bool) -> None:
     assert made(tmp_path, "", uv=UV.format(status=status)).returncode == 0
     calls = (tmp_path / "calls").read_text().splitlines()
     (by_uv,) = (line for line in calls if line.startswith("uv "))
@@ -148,9 +146,7 @@ def test_output_that_finds_no_room_ends_with_one_line(form: str) -> None:
 
 
 @pytest.mark.parametrize(("option", "name"), [("--picture", "drawn.svg"), ("--note", "n.html")])
-def test_a_file_that_finds_no_room_is_named_in_one_line(
-    option: str, name: str, tmp_path: Path
-) -> None:
+def test_a_file_that_finds_no_room_is_named(option: str, name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     path.symlink_to(FULL)
     found = python("-c", PROGRAM, "capacity", "-n", "3", "-m", "law", option, path)

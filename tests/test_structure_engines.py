@@ -64,9 +64,7 @@ def found(engine: str, problem: Problem, folder: Path) -> Outcome:
 
 
 @pytest.mark.engine
-def test_mortar_in_a_leaning_stack_fails_where_the_static_model_says(
-    engine: str, tmp_path: Path
-) -> None:
+def test_leaning_mortar_fails_where_the_static_model_says(engine: str, tmp_path: Path) -> None:
     problem = pushed(leaning(MORTAR, 25.0))
     expected, outcome = static_peak(*problem), found(engine, problem, tmp_path)
     assert outcome.path[-1].load == pytest.approx(expected.peak.load, rel=2e-3)
@@ -98,9 +96,7 @@ def test_what_never_falls_has_no_critical_tilt(engine: str, tmp_path: Path) -> N
 
 
 @pytest.mark.engine
-def test_compression_does_not_strengthen_the_bond_of_a_rough_face(
-    engine: str, tmp_path: Path
-) -> None:
+def test_compression_does_not_strengthen_a_rough_bond(engine: str, tmp_path: Path) -> None:
     rough = replace(MORTAR, friction=1.0, tensile_strength=1e6)
     slab = box("block", (0.0, 0.0, 0.0), (0.4, 0.4, 0.1), 1e4)
     model = structure([GROUND, slab], rough)
@@ -143,9 +139,7 @@ def tilted_until_it_falls(engine: str, model: Assembly, axis: Vector, folder: Pa
 
 
 @pytest.mark.engine
-def test_a_block_pushed_at_its_centroid_rocks_at_its_weight_times_the_slope_of_its_diagonal(
-    engine: str, tmp_path: Path
-) -> None:
+def test_a_pushed_block_rocks_at_the_slope_of_its_diagonal(engine: str, tmp_path: Path) -> None:
     model = on_the_ground(0.3, 0.6, dry(2.0))
     outcome = found(engine, Problem(model, acceleration(model, (1.0, 0.0, 0.0))), tmp_path)
     # F = W tan(alpha - theta), at its start.
@@ -154,9 +148,7 @@ def test_a_block_pushed_at_its_centroid_rocks_at_its_weight_times_the_slope_of_i
 
 @pytest.mark.engine
 @pytest.mark.parametrize("far", [0.1, 0.05])
-def test_a_block_that_juts_out_over_an_edge_turns_over_it(
-    engine: str, far: float, tmp_path: Path
-) -> None:
+def test_a_block_that_juts_out_turns_over_its_edge(engine: str, far: float, tmp_path: Path) -> None:
     model = on_the_ground(0.4, 0.4, dry(2.0), far)
     # The ground's edge is the vertex here, and the block's underside the flat side.
     expected = math.degrees(math.atan(far / 0.2))
@@ -165,9 +157,7 @@ def test_a_block_that_juts_out_over_an_edge_turns_over_it(
 
 
 @pytest.mark.engine
-def test_a_block_that_moves_over_an_edge_turns_over_where_its_centroid_passes_it(
-    engine: str, tmp_path: Path
-) -> None:
+def test_a_block_turns_over_where_its_centroid_passes_an_edge(engine: str, tmp_path: Path) -> None:
     gap, tips = 0.009, 200.0
     # A force at the bottom moves the block on soft shear springs. Just before it turns over, all of
     # its weight and so all friction is at the edge, on half of the interface.
@@ -182,9 +172,7 @@ def test_a_block_that_moves_over_an_edge_turns_over_where_its_centroid_passes_it
 
 @pytest.mark.engine
 @pytest.mark.parametrize("gap", [0.01, 0.1])
-def test_a_block_that_slides_against_another_which_it_did_not_touch_has_no_peak(
-    engine: str, gap: float, tmp_path: Path
-) -> None:
+def test_a_block_that_meets_another_has_no_peak(engine: str, gap: float, tmp_path: Path) -> None:
     model = structure(
         [
             box("ground", (-2.0, -1.0, -0.2), (2.0, 1.0, 0.0), 2e3, fixed=True),
@@ -248,9 +236,7 @@ def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_
 # --- capacity curves -----------------------------------------------------------------------------
 @pytest.mark.engine
 @pytest.mark.parametrize("what", ["block", "wall", "arch"])
-def test_a_structure_that_yade_moves_carries_what_its_kinematics_say(
-    what: str, tmp_path: Path
-) -> None:
+def test_what_yade_moves_carries_what_its_kinematics_say(what: str, tmp_path: Path) -> None:
     models = {
         "block": on_the_ground(0.4, 1.0, dry(0.7)),
         "wall": wall(0.1)[0],

@@ -57,9 +57,7 @@ def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> No
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.6])
-def test_limit_loads_of_twisted_bonds_have_mesh_errors_that_cover_a_finer_mesh(
-    path: Path, friction: float
-) -> None:
+def test_mesh_errors_of_twisted_bonds_cover_a_finer_mesh(path: Path, friction: float) -> None:
     bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": friction}
     twist = {"force": {"block": "block", "at": [0.4, 0.0, 0.0], "direction": [0, 1, 0]}}
     found = {}
@@ -145,9 +143,7 @@ def test_a_force_at_a_point_of_a_block() -> None:
     assert loads.variable[1] == pytest.approx([1, 0, 0, 0, 0.5, 0])
 
 
-def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alone(
-    path: Path,
-) -> None:
+def test_locks_are_pieces_and_condensed_ones_refused_by_the_static_model(path: Path) -> None:
     pieces = [piece.name for piece in structure_of(locked()).assembly.pieces]
     assert pieces == ["ground", "block", *(f"ground-block-lock{k}" for k in (1, 2, 3))]
     rows = by_model(path, locked(condensed={"working": 1}))
@@ -216,9 +212,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ({"loads": 1}, "loads: unknown key; did you mean load\\? allowed keys: blocks, load"),
     ],
 )
-def test_a_fault_is_reported_in_one_line_with_its_key(
-    path: Path, change: dict[str, Any], words: str
-) -> None:
+def test_a_fault_is_one_line_with_its_key(path: Path, change: dict[str, Any], words: str) -> None:
     found = assembly(path, {**ON_GROUND, **change})
     assert found.exit_code == 2
     assert found.output.startswith("Error: ")
@@ -234,9 +228,7 @@ def test_a_fault_is_reported_in_one_line_with_its_key(
         ({"blocks": {"block": {"density": 2.4}}}, "block: density: 2.4 kg/m3 is very small"),
     ],
 )
-def test_numbers_that_look_like_another_unit_are_noted(
-    path: Path, changes: dict[str, Any], note: str
-) -> None:
+def test_numbers_of_another_unit_are_noted(path: Path, changes: dict[str, Any], note: str) -> None:
     assert note in assembly(path, with_changes(ON_GROUND, changes)).stderr
 
 

@@ -159,9 +159,7 @@ def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Pa
 
 
 @pytest.mark.study
-def test_a_model_that_cannot_do_condensed_locks_says_so_in_a_whole_study(
-    structures_study: Path, table: pd.DataFrame
-) -> None:
+def test_a_study_says_what_a_model_refuses(structures_study: Path, table: pd.DataFrame) -> None:
     refused = table.loc[("keyed-load", "static"), "refused"]
     words = "base-block has condensed locks, which have no stiffness; cut them out"
     assert refused == f"static: {words}"
@@ -172,9 +170,7 @@ def test_a_model_that_cannot_do_condensed_locks_says_so_in_a_whole_study(
 
 
 @pytest.mark.study
-def test_interfaces_carry_the_weight_and_the_load(
-    structures_study: Path, table: pd.DataFrame
-) -> None:
+def test_interfaces_carry_weight_and_load(structures_study: Path, table: pd.DataFrame) -> None:
     rows = read_table(INTERFACES, structures_study / "tables/interfaces.csv")
     whole = table.loc[("trilith-load-dry", "static")]
     interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]

@@ -100,9 +100,7 @@ def test_there_is_no_thrust_line_where_bonds_carry_the_bending() -> None:
 
 
 @pytest.mark.parametrize("variant", ["reference", "locks"])
-def test_what_acts_on_one_side_of_a_joint_goes_through_its_point_of_the_thrust_line(
-    variant: str,
-) -> None:
+def test_forces_on_one_side_of_a_joint_go_through_the_thrust_line(variant: str) -> None:
     problem = structure_of(ARCH | LOCKED.get(variant, {}))
     state = limit_state(*problem, most=500.0)
     found = Drawn("limit", problem, structure_limit.outcome_of(problem, state))
@@ -176,9 +174,7 @@ def test_a_picture_has_hinges_thrust_line_load_and_reactions(arch: Drawn) -> Non
         ((2.0, 2.0, 2.0), (0.0, 0.0, -1.0), None),
     ],
 )
-def test_flat_structures_are_seen_from_their_front_unless_pushed_there(
-    sides: Any, pushed: Any, towards: Any
-) -> None:
+def test_flat_structures_are_seen_from_their_front(sides: Any, pushed: Any, towards: Any) -> None:
     axes = view_axes(np.array(sides), np.array(pushed))
     assert axes @ axes.T == pytest.approx(np.eye(3))
     assert np.linalg.det(axes) == pytest.approx(1.0)
@@ -231,9 +227,7 @@ def test_what_does_not_stand_is_drawn_and_said(tmp_path: Path) -> None:
     assert drawing.stat().st_size > 0
 
 
-def test_a_page_without_plotly_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_plotly_a_page_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
     found = assembly(tmp_path / "block.yaml", BLOCK, "--report", str(tmp_path / "x.html"))
     assert found.exit_code == 2

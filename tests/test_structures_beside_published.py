@@ -31,7 +31,7 @@ def notch(width: float, height: float) -> list[Block]:
 
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize(("friction", "expected"), [(0.2, degrees(0.2)), (0.84, degrees(0.4))])
-def test_a_block_on_a_slope_rests_up_to_its_angle_of_sliding_or_overturning(
+def test_a_block_rests_on_a_slope_as_by_hand(
     friction: float, expected: float, finite: bool
 ) -> None:
     found = relaxed_tilt(on_ground(friction), Y, finite=finite)

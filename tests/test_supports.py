@@ -239,9 +239,7 @@ def beam(span: float, overlap: float, **of_right: float) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.02), (6.0, 0.05)])
-def test_a_beam_falls_when_its_support_has_moved_by_the_overlap(
-    span: float, overlap: float
-) -> None:
+def test_a_beam_falls_when_its_support_moved_by_the_overlap(span: float, overlap: float) -> None:
     path = support_path(*structure_of(beam(span, overlap, friction=0.1)))
     assert path.falls
     assert path.movement[-1] == pytest.approx(overlap, rel=0.02)

@@ -125,9 +125,7 @@ def test_what_is_assumed_of_a_mesh_is_said(options: tuple[str, ...], note: str) 
     assert found.stderr == note
 
 
-def test_of_a_large_structure_results_are_told_as_they_come(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_large_structure_tells_results_early(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not assembly(path, {**CUBE, "load": PUSH}).stderr
     monkeypatch.setattr(structures, "LARGE", 0)
     loaded, still = (

@@ -92,9 +92,7 @@ def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("law", [{}, {"cohesion": "20kPa", "tensile_strength": "10kPa"}])
-def test_where_crushing_governs_an_arch_its_limit_load_counts_at_all_doors(
-    law: dict[str, str], tmp_path: Path
-) -> None:
+def test_where_crushing_governs_the_limit_load_counts(law: dict[str, str], tmp_path: Path) -> None:
     arch = study("arch/arch")
     arch["interfaces"] = {"friction": 0.7, "compressive_strength": "150kPa", **law}
     limit = limit_state(*structure_of(arch)).load
