@@ -26,12 +26,8 @@ def static_note(path: Path, stiffness: float, load: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize("load", [PUSH, TILT])
-def test_stiff_joints_have_no_note_on_rotation(tmp_path: Path, load: dict[str, Any]) -> None:
-    assert static_note(tmp_path / "tower.yaml", 1e10, load).endswith("; small displacements")
-
-
-@pytest.mark.parametrize("load", [PUSH, TILT])
 def test_soft_joints_let_a_tower_lean_and_carry_less(tmp_path: Path, load: dict[str, Any]) -> None:
+    assert static_note(tmp_path / "tower.yaml", 1e10, load).endswith("; small displacements")
     stiffness = 2e7
     note = static_note(tmp_path / "tower.yaml", stiffness, load)
     words, share = note.rsplit("; ", 1)[1].rsplit(" about ", 1)

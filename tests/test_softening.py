@@ -108,18 +108,14 @@ def test_what_is_left_never_grows() -> None:
 
 # --- between the ends ----------------------------------------------------------------------------
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
-def test_no_more_energy_than_is_stored_is_brittle(eccentricity: float) -> None:
+def test_without_energy_it_is_brittle_and_with_all_residual_ductile(eccentricity: float) -> None:
+    """Without energy: no more than is stored."""
     brittle = peak(Joint(3), eccentricity)
     found = peak(softening(3, 0.99 * STORED), eccentricity)
     assert found.first_failure_load == pytest.approx(brittle.first_failure_load, rel=1e-9)
     assert found.peak.load == pytest.approx(brittle.peak.load, rel=1e-3)
-
-
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
-def test_a_residual_part_of_one_is_ductile(eccentricity: float) -> None:
     ductile = peak(Joint(3, failure=Failure.DUCTILE), eccentricity)
-    found = peak(softening(3, 0.0, residual=1.0), eccentricity)
-    assert found.peak.load == ductile.peak.load
+    assert peak(softening(3, 0.0, residual=1.0), eccentricity).peak.load == ductile.peak.load
 
 
 @pytest.mark.parametrize(("eccentricity", "locks"), [(0.0, 5), (0.5, 3)])

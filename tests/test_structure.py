@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
-from sidmacib.structure.blocks import box, prism
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import shared_volume
 from sidmacib.structure.structure import refined, structure
@@ -65,9 +66,11 @@ def test_friction_of_the_bond_adds_its_share_of_the_weight_to_the_cohesion() -> 
     assert static_peak(model, at_foot).peak.load == pytest.approx(expected, rel=1e-4)
 
 
+GLUE = FaceMaterial(1e10, 1e10, 0.0, 1e9, 2e4)
+
+
 def test_a_bonded_block_tears_off_where_the_stress_of_a_beam_reaches_its_strength() -> None:
-    glue = FaceMaterial(1e10, 1e10, 0.0, 1e9, 2e4)
-    model = structure([GROUND, BLOCK], glue)
+    model = structure([GROUND, BLOCK], GLUE)
     first = static_peak(model, acceleration(model, (1.0, 0.0, 0.0))).first_failure_load
     section, arm = 0.6 * 0.4**2 / 6, 0.5  # load at mid-height
     expected = (2e4 + BLOCK.weight / (0.4 * 0.6)) * section / arm
@@ -178,22 +181,33 @@ def test_bad_geometry_is_refused_by_name(change: dict[str, object], words: str) 
         replace(BLOCK, **change)
 
 
-def test_laws_of_blocks_that_do_not_touch_are_refused() -> None:
-    other = box("other", (1.0, 0.0, 0.0), (1.5, 0.6, 1.0), 2e3)
-    with pytest.raises(ValueError, match="block and other"):
-        structure([GROUND, BLOCK, other], dry(0.5), {frozenset({"block", "other"}): dry(0.1)})
+SUNK = moved(BLOCK, Rotation.identity(), (0.0, 0.0, -0.01))
+BESIDE = box("beside", (1.0, 0.0, 0.0), (1.4, 0.6, 1.0), 2e3)
+INSIDE = box("inside", (0.1, 0.1, 0.5), (0.2, 0.2, 0.6), 2e3)
+FLOATING = [
+    box("one", (5.0, 0.0, 3.0), (6.0, 1.0, 4.0), 2e3),
+    box("two", (5.0, 0.0, 4.0), (6.0, 1.0, 5.0), 2e3),
+]
 
 
-def test_blocks_that_overlap_are_refused_by_name() -> None:
-    inside = box("inside", (0.1, 0.1, 0.5), (0.2, 0.2, 0.6), 2e3)
-    with pytest.raises(ValueError, match=r"^blocks: block and inside overlap by 0\.2 m$"):
-        structure([GROUND, BLOCK, inside], dry(0.5))
-    sunk = moved(BLOCK, Rotation.identity(), (0.0, 0.0, -0.01))
-    words = r"^blocks: ground and block overlap by 0\.01 m; tolerance: 0\.009 "
-    beside = box("beside", (1.0, 0.0, 0.0), (1.4, 0.6, 1.0), 2e3)
-    for others in ([], [beside]):  # beside several small blocks the ground is a large one
-        with pytest.raises(ValueError, match=words):
-            structure([GROUND, sunk, *others], dry(0.5))
+@pytest.mark.parametrize(
+    ("blocks", "more", "words"),
+    [
+        ([BLOCK, BESIDE], {"special": {frozenset({"block", "beside"}): GLUE}}, "beside and block"),
+        ([BLOCK, INSIDE], {}, r"^blocks: block and inside overlap by 0\.2 m$"),
+        ([SUNK], {}, r"^blocks: ground and block overlap by 0\.01 m; tolerance: 0\.009 "),
+        # Beside several small blocks the ground is a large one.
+        ([SUNK, BESIDE], {}, r"^blocks: ground and block overlap by 0\.01 m; tolerance: 0\.009 "),
+        ([BLOCK, *FLOATING], {}, "one, two: must be linked to a fixed block"),
+        # Before it is made:
+        ([BLOCK], {"mesh": 1e-4}, r"mesh: 0.0001 .* at least 0.0011 m: more than 200,000"),
+    ],
+)
+def test_blocks_that_make_no_structure_are_named(
+    blocks: list[Block], more: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(ValueError, match=words):
+        structure([GROUND, *blocks], dry(0.5), **more)
 
 
 @pytest.mark.parametrize("turn", [(0, 0, 0), (20, 30, 40)])
@@ -222,20 +236,6 @@ def test_faces_that_nearly_touch_get_a_note_unless_the_tolerance_joins_them() ->
     joined = structure([GROUND, BLOCK, other], dry(0.5), near=1e-4)
     assert len(joined.faces) == len(model.faces) + 1
     assert structure_warnings(joined, 1e-4) == []
-
-
-def test_blocks_that_float_are_named() -> None:
-    pair = [
-        box("one", (5.0, 0.0, 3.0), (6.0, 1.0, 4.0), 2e3),
-        box("two", (5.0, 0.0, 4.0), (6.0, 1.0, 5.0), 2e3),
-    ]
-    with pytest.raises(ValueError, match="one, two: must be linked to a fixed block"):
-        structure([GROUND, BLOCK, *pair], dry(0.5))
-
-
-def test_a_mesh_of_too_many_cells_is_refused_before_it_is_made() -> None:
-    with pytest.raises(ValueError, match=r"mesh: 0.0001 .* at least 0.0011 m: more than 200,000"):
-        structure([GROUND, BLOCK], dry(0.5), mesh=1e-4)
 
 
 def test_unsettled_friction_tells_the_last_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:

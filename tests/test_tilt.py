@@ -54,28 +54,23 @@ def test_a_block_on_a_slope_slides_at_its_friction_angle_or_overturns_at_b_over_
     assert moves_most(model, limit.mechanism) == "block"
 
 
-def test_a_bonded_block_hangs_until_its_bond_is_torn_off() -> None:
-    """The bond carries shear only: at its angle the weight's part along it is the cohesion."""
+@pytest.mark.parametrize(
+    ("fails", "friction", "falls", "motion"),
+    [(30.0, 0.0, 30.0, Motion.BONDS), (10.0, 0.5, degrees(0.5), Motion.SLIDING)],
+)
+def test_a_bond_fails_where_the_weight_along_it_is_its_cohesion_and_friction_holds_on(
+    fails: float, friction: float, falls: float, motion: Motion
+) -> None:
     slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
-    cohesion = 0.5 * slab.weight / (0.4 * 0.6)
-    model = structure([GROUND, slab], FaceMaterial(1e10, 1e10, 0.0, cohesion, 1e6))
+    cohesion = math.sin(math.radians(fails)) * slab.weight / (0.4 * 0.6)
+    model = structure([GROUND, slab], FaceMaterial(1e10, 1e10, friction, cohesion, 1e6))
     found = static_tilt(model, Y)
-    assert found.first_failure == pytest.approx(30.0, abs=0.01)
-    assert found.angle == pytest.approx(30.0, abs=0.01)
-    assert found.motion is Motion.BONDS
-    assert found.mechanism is None
-    assert limit_tilt(model, Y).angle == pytest.approx(30.0, abs=1e-3)
-
-
-def test_friction_holds_what_a_bond_lets_go() -> None:
-    """The brittle bond fails at 10 degrees, and the block then slides at its friction angle."""
-    slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
-    cohesion = math.sin(math.radians(10.0)) * slab.weight / (0.4 * 0.6)
-    law = FaceMaterial(1e10, 1e10, 0.5, cohesion, 1e6)
-    found = static_tilt(structure([GROUND, slab], law), Y)
-    assert found.first_failure == pytest.approx(10.0, abs=0.01)
-    assert found.angle == pytest.approx(degrees(0.5), abs=0.01)
-    assert found.motion is Motion.SLIDING
+    assert found.first_failure == pytest.approx(fails, abs=0.01)
+    assert found.angle == pytest.approx(falls, abs=0.01)
+    assert found.motion is motion
+    if motion is Motion.BONDS:
+        assert found.mechanism is None
+        assert limit_tilt(model, Y).angle == pytest.approx(falls, abs=1e-3)
 
 
 def test_a_block_that_is_glued_on_hangs_upside_down() -> None:
