@@ -10,12 +10,10 @@ from conftest import ROOT, a_case
 from joints import loaded
 from test_execute import becomes_true
 
+from sidmacib import Direction, Joint, Loading, static_peak
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.run import EngineError, execute
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading
-from sidmacib.mechanics.static import static_peak
 
 pytestmark = pytest.mark.engine
 

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib import OPTIONS, InfeasibleError, Sidmacib, capacity, limit_load
+from sidmacib import OPTIONS, InfeasibleError, Sidmacib, capacity, limit_load, static_peak
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
-from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box

@@ -135,14 +135,11 @@ def test_a_record_has_lowest_peak_spread_and_first_failure(monkeypatch: pytest.M
     assert JointRecord.from_json(found.to_json()) == found
 
 
-def rows(*spreads: float) -> pd.DataFrame:
-    names = [f"n{place}-mesh0.02-e1a" for place in range(len(spreads))]
-    return pd.DataFrame({"case": names, "variant": "reference", "peak_spread": spreads})
-
-
 def test_the_summary_names_the_cases_whose_peaks_spread() -> None:
-    text = "\n".join(spread_lines(rows(0.004, 0.2, math.nan)))
+    rows = pd.DataFrame({"case": ["n0-mesh0.02-e1a", "n1-mesh0.02-e1a", "n2-mesh0.02-e1a"]})
+    rows = rows.assign(variant="reference", peak_spread=[0.004, 0.2, math.nan])
+    text = "\n".join(spread_lines(rows))
     assert "the lowest of which counts: above 1 % in 1 of 2 cases" in text
     assert "n1-mesh0.02-e1a: 20.0 %" in text
     assert "n0-mesh" not in text
-    assert not list(spread_lines(rows(math.nan)))
+    assert not list(spread_lines(rows[2:]))

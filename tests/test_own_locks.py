@@ -10,11 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib import OPTIONS, Sidmacib, capacity, limit_load
+from sidmacib import OPTIONS, NodeLayout, Sidmacib, capacity, limit_load
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, LoadShare, Push, posed
 from sidmacib.joint.pieces import assemble, lock_faces, lock_weights
-from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.static import StaticSolution, static_peak
 
 own_locks = st.builds(

@@ -10,14 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small import SMALL
 
-from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
+from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib, assemble, pairs_of
 from sidmacib.joint import INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, SIZES, unit_warnings, with_parameters
-from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import FaceMaterial, Kind
 from sidmacib.quantities import Length
 from sidmacib.rule import law, spans_of
-from sidmacib.rule.pairs import pairs_of
 from workflow.configuration import read_study
 from workflow.consistency import notes
 

@@ -10,15 +10,13 @@ from described import CUBE, DOWN, PUSH, WEIGHT
 from structures import dry, example, solved
 
 from analysis.tables.structures import structures_table
+from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
-from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.scene.forces import arrows_of, load_of
-from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.blocks import box, prism

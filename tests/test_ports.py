@@ -9,11 +9,10 @@ import pytest
 from campaigns.faults import descendants
 from joints import loaded
 
+from sidmacib import Elastic, Joint
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.scripts.children import PRIVATE_NETWORK
-from sidmacib.joint import Joint
-from sidmacib.mechanics.assembly import Elastic
 
 pytestmark = [
     pytest.mark.engine,

@@ -13,12 +13,11 @@ from processes import python
 from stack import tilted_stack
 from structures import on_ground
 
+from sidmacib import Elastic, Joint
 from sidmacib.engines import ENGINES, Engine, Numerics
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.run import guide_of, run_engine
 from sidmacib.engines.scripts.assembly import Guide, read_assembly
-from sidmacib.joint import Joint
-from sidmacib.mechanics.assembly import Elastic
 from sidmacib.problem import Problem
 from sidmacib.structure.loads import acceleration
 

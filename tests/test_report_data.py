@@ -22,24 +22,16 @@ from workflow.configuration import read_study
 from workflow.results.tables import TABLES
 
 
-@pytest.mark.parametrize(
-    ("column", "title", "times"),
-    [
-        ("load_N", "load (N)", 1),
-        ("shear_N", "V (N)", 1),
-        ("torque_Nm", "M (N m)", 1),
-        ("eccentricity_over_a", "e / a", 1),
-        ("mesh_m", "mesh (m)", 1),
-        ("load_over_T0", "load / T0", 1),
-        ("mesh_error", "mesh error (%)", 100),
-        ("peak_spread", "peak spread (%)", 100),
-        ("error", "error", 1),
-    ],
-)
-def test_headings_have_units_and_no_underscores(column: str, title: str, times: int) -> None:
-    held = "a reason" if column == "error" else 0.5
-    (found,) = headings({"capacity": pd.DataFrame({column: [held]})})["capacity"]
-    assert (found["title"], found["times"]) == (title, times)
+def test_headings_have_units_and_no_underscores() -> None:
+    known = {
+        **{"load_N": ("load (N)", 1), "shear_N": ("V (N)", 1), "torque_Nm": ("M (N m)", 1)},
+        **{"eccentricity_over_a": ("e / a", 1), "mesh_m": ("mesh (m)", 1)},
+        **{"load_over_T0": ("load / T0", 1), "mesh_error": ("mesh error (%)", 100)},
+        **{"peak_spread": ("peak spread (%)", 100), "error": ("error", 1)},
+    }
+    held = dict.fromkeys(known, 0.5) | {"error": "a reason"}
+    found = headings({"capacity": pd.DataFrame([held])})["capacity"]
+    assert [(each["title"], each["times"]) for each in found] == [*known.values()]
 
 
 def test_every_column_has_a_heading_that_can_be_read_and_a_meaning() -> None:

@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib import CapacityError, Elastic, FaceMaterial, lowest_peak
+from sidmacib import CapacityError, Elastic, FaceMaterial, limit_load, lowest_peak
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_first_failure, static_peak
 from sidmacib.rule import RULES, SAFETY, law, safe
 from sidmacib.rule.pairs import Pairs, bearing_pairs, pairs_of

@@ -9,8 +9,7 @@ from made_up_results import capacity_of, record_with
 
 from analysis.__main__ import describe_rule, run_case
 from analysis.tables.capacity import law_rows
-from sidmacib import Direction, law, safe
-from sidmacib.rule.reliability import Reliability, characteristic, design_resistance
+from sidmacib import Direction, Reliability, characteristic, design_resistance, law, safe
 from workflow.cases import cases_of, find_place
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study

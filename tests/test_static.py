@@ -11,13 +11,12 @@ from hypothesis import strategies as st
 from joints import PUBLISHED, loaded
 from stack import tilted_stack
 
+from sidmacib import limit_load, lock_weights
 from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.joint import INNER, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.parameters import PARAMETERS, with_parameters
-from sidmacib.joint.pieces import lock_faces
 from sidmacib.mechanics.assembly import (
-    Assembly,
     Cuboid,
     Elastic,
     FaceMaterial,
@@ -28,22 +27,11 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> StaticSolution:
     return static_peak(*loaded(joint, e_over_a, mesh))
-
-
-def lock_shear(joint: Joint, model: Assembly, solution: StaticSolution) -> list[float]:
-    """Resultant shear on each inner face over T0."""
-    names = [face.name for face in model.faces]
-    shear = solution.peak.force[:, 1:]
-    return [
-        float(np.linalg.norm(shear[model.nodes.face == names.index(name)].sum(axis=0))) / joint.T0
-        for name in sorted(lock_faces(joint), key=lock_faces(joint).__getitem__)
-    ]
 
 
 # --- rotations -----------------------------------------------------------------------------------
@@ -287,4 +275,5 @@ def test_peak_and_weights_of_the_published_samples(
     model, loads = loaded(joint, mesh=0.02)
     found = static_peak(model, loads)
     assert found.peak.load == pytest.approx(published, rel=within)
-    assert lock_shear(joint, model, found) == pytest.approx(weights, abs=0.06)
+    carried = lock_weights(joint, model, found.peak.force)
+    assert [lock.weight for lock in carried] == pytest.approx(weights, abs=0.06)

@@ -14,6 +14,7 @@ from structures import GROUND, dry, moved
 from test_capacity_curve import wall
 from test_supports import HalfArch, semicircle, two_spans
 
+from sidmacib import capacity_curve, static_peak
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.curve import engine_curve, engine_support_path
 from sidmacib.engines.render import DATA_FILE, write_script
@@ -21,9 +22,7 @@ from sidmacib.engines.results import read_outcome
 from sidmacib.engines.run import EngineNoAnswerError, engine_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
-from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Outcome, Problem
-from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, support_moves
@@ -194,11 +193,12 @@ def test_a_block_that_meets_another_has_no_peak(engine: str, gap: float, tmp_pat
     assert load == pytest.approx(slides, rel=2e-3)
 
 
-def in_a_groove(friction: float, above: tuple[tuple[float, float], ...]) -> Assembly:
+def in_a_groove(friction: float, top: float | None) -> Assembly:
     """A block in a groove along y, its flanks 30 degrees from the horizontal, as in type c.
 
-    ``above``: corners (m) of the block, x and z, besides those on the flanks.
+    ``top``: height (m) of the block, which by default fills the groove.
     """
+    above = [(1.0, top), (-1.0, top)] if top else []
     rise = math.tan(math.radians(30.0))
     left = ((-1.0, rise), (0.0, 0.0), (0.0, -0.5), (-1.0, -0.5))
     bases = {
@@ -215,19 +215,16 @@ def in_a_groove(friction: float, above: tuple[tuple[float, float], ...]) -> Asse
 
 @pytest.mark.engine
 @pytest.mark.parametrize(
-    ("engine", "friction", "above"),
+    ("engine", "friction", "top"),
     # The last one rocks first, and its rotation wedges it: small rotations say 35 degrees.
-    [
-        *((name, friction, ()) for name in DISTINCT for friction in (0.2, 0.5)),
-        ("yade", 0.84, ((1.0, 1.8382), (-1.0, 1.8382))),
-    ],
+    [*((name, mu, None) for name in DISTINCT for mu in (0.2, 0.5)), ("yade", 0.84, 1.8382)],
 )
 def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_cosine(
-    engine: str, friction: float, above: tuple[tuple[float, float], ...], tmp_path: Path
+    engine: str, friction: float, top: float | None, tmp_path: Path
 ) -> None:
-    model = in_a_groove(friction, above)
+    model = in_a_groove(friction, top)
     expected = math.degrees(math.atan(friction / math.cos(math.radians(30.0))))
-    if above:
+    if top:
         assert static_tilt(model, Tilt((1.0, 0.0, 0.0))).angle < 0.9 * expected
     angle = tilted_until_it_falls(engine, model, (1.0, 0.0, 0.0), tmp_path)
     assert angle == pytest.approx(expected, abs=0.4)

@@ -7,15 +7,12 @@ from typing import Any
 
 import pytest
 from command_runner import answers, assembly, by_model
-from conftest import ROOT
 from structures import read_structure
 
+from sidmacib import limit_load, static_peak
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.files.sections import ShapeSection
 from sidmacib.structure.files.structure_file import structure_of
-from sidmacib.yaml_text import read_yaml
 from workflow.schema import with_changes
 
 GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
@@ -191,6 +188,7 @@ def test_locks_are_pieces_and_condensed_ones_refused_by_the_static_model(path: P
         ),
         (locked(condensed={"working": 4}), r"working: 4.* at most 3"),
         (locked(condensed={"working": "most"}), "condensed.working: 'most' is not .* or all"),
+        (locked() | {"special": [{"between": "all"}]}, "it must be two blocks without locks"),
         ({"load": {}}, "load: must have one key, acceleration, force, tilt or support"),
         ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),
         ({"load": {"tilt": {"axis": [0, 0, 0]}}}, r"load.tilt.axis: .* not all 0"),
@@ -240,14 +238,6 @@ def test_blocks_in_millimetres_say_so(path: Path) -> None:
     told = {"high": [240, "11.5cm", "71"], "unit": "mm"}
     (block,) = ShapeSection.model_validate({"low": [0, 0, 0], **told}).blocks("block", path)
     assert block.volume == pytest.approx(0.24 * 0.115 * 0.071)
-
-
-def test_a_material_for_a_pair_with_locks_is_refused() -> None:
-    keyed = read_yaml(ROOT / "studies/structures/keyed.yaml")
-    (locks,) = keyed["locks"]
-    keyed["special"] = [{"between": locks["between"], "cohesion": 1.0}]
-    with pytest.raises(ValueError, match="it must be two blocks without locks"):
-        structure_of(keyed)
 
 
 def test_interfaces_are_told_at_the_load_that_counts(path: Path) -> None:

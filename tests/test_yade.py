@@ -10,14 +10,12 @@ import pytest
 from conftest import a_case, block_on_ground, run_case
 from joints import PUBLISHED
 
+from sidmacib import Loading, limit_load, static_peak
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import OUTPUTS
 from sidmacib.joint import INNER, Direction, Joint
-from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout
 from sidmacib.mechanics.equilibrium import self_weight
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
 
 pytestmark = pytest.mark.engine
 SHEAR = Loading(Direction(0.0))
