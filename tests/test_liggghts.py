@@ -1,11 +1,11 @@
 """The distinct elements in LIGGGHTS: what is special to this engine. Real runs, small ones."""
 
-import contextlib
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from campaigns.faults import processes_in
 from conftest import ROOT, a_case
 from joints import loaded
 from test_execute import becomes_true
@@ -53,20 +53,6 @@ def test_a_broken_input_script_fails_with_liggghts_own_words(tmp_path: Path) -> 
     assert not (tmp_path / "result.json").exists()
 
 
-def processes_in(folder: Path) -> set[int]:
-    """Living processes whose working directory is ``folder`` or below it."""
-    found = set()
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            place = str((process / "cwd").readlink())
-            state = (process / "stat").read_text().rpartition(")")[2].split()[0]
-        except OSError:
-            continue
-        if place.startswith(str(folder)) and state != "Z":
-            found.add(int(process.name))
-    return found
-
-
 def shared_memory() -> set[Path]:
     """MPI's segments that are left in the system's shared memory."""
     return set(Path("/dev/shm").glob("vader*"))
@@ -89,14 +75,10 @@ def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(tmp_path: Path)
     )
     runner = subprocess.Popen([sys.executable, "-c", call], cwd=ROOT)
 
-    def programs() -> list[str]:
-        names = []
-        for process in processes_in(tmp_path):
-            with contextlib.suppress(OSError):
-                names.append(Path(f"/proc/{process}/comm").read_text().strip())
-        return names
+    def ranks() -> int:
+        return sum(each.startswith("liggghts") for each in processes_in(tmp_path))
 
-    assert becomes_true(lambda: programs().count("liggghts") == 2)
+    assert becomes_true(lambda: ranks() == 2)
     runner.kill()
     runner.wait()
     assert becomes_true(lambda: not processes_in(tmp_path))
