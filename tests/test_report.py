@@ -23,7 +23,6 @@ from workflow.schema import Study
 
 pytestmark = pytest.mark.study
 
-ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
 
 

@@ -173,6 +173,9 @@ def test_the_retaining_wall_slides_where_friction_and_earth_say(tmp_path: Path) 
     assert "forces in proportion to the masses, along (-1, 0, 0)" in words
 
 
+ONE_CASE = {"load_cases": {"a": {**PUSH, "newtons": 1}}}
+
+
 @pytest.mark.parametrize(
     ("keys", "options", "message"),
     [
@@ -180,17 +183,9 @@ def test_the_retaining_wall_slides_where_friction_and_earth_say(tmp_path: Path) 
         ({"load": {**PUSH, "newtons": 1, "over_weight": 1}}, (), "load: must have either newtons"),
         ({"load": {"tilt": {"axis": [1, 0, 0]}, "newtons": 1}}, (), "newtons: must not be given"),
         ({"load_cases": {"a": PUSH}}, (), "load_cases.a: must have either newtons or over_weight"),
-        (
-            {"load_cases": {"a": {**PUSH, "newtons": 1}}, "load": PUSH},
-            (),
-            "load_cases: must not be given beside load",
-        ),
-        (
-            {"load_cases": {"a": {**PUSH, "newtons": 1}}},
-            ("--case", "b"),
-            "--case: 'b' is not allowed; it must be a",
-        ),
-        ({"load_cases": {"a": {**PUSH, "newtons": 1}}}, ("--interfaces",), "needs --case"),
+        (ONE_CASE | {"load": PUSH}, (), "load_cases: must not be given beside load"),
+        (ONE_CASE, ("--case", "b"), "--case: 'b' is not allowed; it must be a"),
+        (ONE_CASE, ("--interfaces",), "needs --case"),
         ({"load": PUSH}, ("--case", "a"), "the file has no load_cases"),
     ],
 )
