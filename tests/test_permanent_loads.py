@@ -30,7 +30,7 @@ FRICTION, DENSITY = 0.5, 2000.0
 PUSHED: dict[str, Any] = {**CUBE, "load": PUSH}
 
 
-SOIL = {"side": [1, 0, 0], "level": 1, "density": 1800}
+SOIL = {"side": [1, 0, 0], "level": 1, "density": 1800, "coefficient": 0.3, "surcharge": "10kPa"}
 
 
 def sliding(*permanent: dict[str, Any]) -> float:
@@ -46,28 +46,19 @@ def on(assembly: Assembly, *permanent: dict[str, Any]) -> Permanent:
 
 
 @pytest.mark.parametrize(
-    ("permanent", "push"),
+    ("permanent", "more"),  # N, that the cube carries
     [
-        ({"surcharge": {"pascals": "5kPa"}}, FRICTION * (WEIGHT + 5000.0)),
-        ({"surcharge": {"pascals": 5000, "x": [0.25, 0.75]}}, FRICTION * (WEIGHT + 2500.0)),
-        ({"pressure": {"side": [-1, 0, 0], "pascals": "2kPa"}}, FRICTION * WEIGHT - 2000.0),
-        ({"pressure": {"side": [-1, 0, 0], "pascals": -2000}}, FRICTION * WEIGHT + 2000.0),
-        (
-            {"water": {"side": [-1, 0, 0], "level": 0.8}},
-            FRICTION * WEIGHT - 0.5 * 1000.0 * GRAVITY * 0.8**2,
-        ),
-        (
-            {"earth": SOIL | {"coefficient": 0.3, "surcharge": "10kPa"}},
-            FRICTION * WEIGHT + 0.3 * (0.5 * 1800.0 * GRAVITY + 10_000.0),
-        ),
-        (
-            {"force": DOWN["force"] | {"direction": [0, 0, -2], "newtons": "3kN"}},
-            FRICTION * (WEIGHT + 3000.0),
-        ),
+        ({"surcharge": {"pascals": "5kPa"}}, FRICTION * 5000.0),
+        ({"surcharge": {"pascals": 5000, "x": [0.25, 0.75]}}, FRICTION * 2500.0),
+        ({"pressure": {"side": [-1, 0, 0], "pascals": "2kPa"}}, -2000.0),
+        ({"pressure": {"side": [-1, 0, 0], "pascals": -2000}}, 2000.0),
+        ({"water": {"side": [-1, 0, 0], "level": 0.8}}, -0.5 * 1000.0 * GRAVITY * 0.8**2),
+        ({"earth": SOIL}, 0.3 * (0.5 * 1800.0 * GRAVITY + 10_000.0)),
+        ({"force": {**DOWN["force"], "direction": [0, 0, -2], "newtons": "3kN"}}, FRICTION * 3e3),
     ],
 )
-def test_a_cube_slides_where_permanent_loads_say(permanent: dict[str, Any], push: float) -> None:
-    assert sliding(permanent) == pytest.approx(push, rel=1e-6)
+def test_a_cube_slides_where_permanent_loads_say(permanent: dict[str, Any], more: float) -> None:
+    assert sliding(permanent) == pytest.approx(FRICTION * WEIGHT + more, rel=1e-6)
 
 
 def test_earth_behind_a_wall_overturns_it_at_the_height_of_the_triangle() -> None:
@@ -135,14 +126,8 @@ def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
         ({"pressure": {"side": [1, 0, 0], "pascals": "5kN"}}, "5kN is a force"),
         ({"earth": {"side": [1, 0, 1], "level": 1, "coefficient": 1}}, "it must be horizontal"),
         ({"surcharge": {"pascals": 1, "x": [1, 0]}}, "the first value must not exceed"),
-        (
-            {"surcharge": {"pascals": 1, "blocks": "kube"}},
-            "surcharge: blocks: .kube. is not allowed; it must be names of free",
-        ),
-        (
-            {"force": {"block": "ground", "at": [0, 0, 0], "direction": [1, 0, 0], "newtons": 1}},
-            "permanent.1.force.block: 'ground' is not allowed",
-        ),
+        ({"surcharge": {"pascals": 1, "blocks": "kube"}}, "blocks: .kube. is .* be names of free"),
+        ({"force": {**DOWN["force"], "block": "ground", "newtons": 1}}, "block: 'ground' is not"),
         ({}, "permanent.1: must have one key, force, pressure, surcharge, earth, water"),
     ],
 )

@@ -17,6 +17,8 @@ from sidmacib.rule import RULES, SAFETY, law, safe
 from sidmacib.rule.pairs import Pairs, bearing_pairs, pairs_of
 
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
+STIFF = replace(DRY, normal_stiffness=3e11, shear_stiffness=3e11)
+SOFT = replace(INNER, shear_stiffness=1e9)
 
 
 @pytest.mark.parametrize("body", BODIES)
@@ -56,13 +58,7 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
         ({"inner": replace(INNER, shear_stiffness=1e6)}, "shear over normal stiffness"),
         ({"inner": replace(INNER, tensile_strength=1e4)}, "tensile strength over cohesion"),
         ({"dry": replace(DRY, shear_stiffness=1e8)}, "shear over normal stiffness of dry faces"),
-        (
-            {
-                "dry": replace(DRY, normal_stiffness=3e11, shear_stiffness=3e11),
-                "inner": replace(INNER, shear_stiffness=1e9),
-            },
-            r"stiffness of a dry face over a root, Kd h / \(Ks b\): 48",
-        ),
+        ({"dry": STIFF, "inner": SOFT}, r"of a dry face over a root, Kd h / \(Ks b\): 48"),
         ({"density": 1e6}, "weight of the upper block per area over cohesion"),
         ({"hold_down": HoldDown.force(1e9)}, "force on top per area over cohesion"),
         ({"elastic": Elastic(1e9)}, r"E / \(Kn b\): 2 is not allowed"),
