@@ -35,8 +35,7 @@ def test_pieces_are_boxes_that_move(written: list[Path]) -> None:
     assert (last.point_data["displacement_m"][:8] == 0.0).all()  # the lower body is fixed
 
 
-def test_stresses_on_locks_balance_the_load(written: list[Path]) -> None:
-    """Nodes of the lower lock's root carry V: their weights are Simpson's."""
+def test_stresses_on_locks_are_within_their_strength(written: list[Path]) -> None:
     load, mesh = steps(written[1])[-1]
     shear = mesh.point_data["shear_Pa"][mesh.point_data["inner"] == 1.0]
     assert np.linalg.norm(shear, axis=1).max() <= Joint(3).inner.cohesion * (1 + 1e-6)
