@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import yaml
 from click.testing import CliRunner, Result
 
 from sidmacib.command.main import main
@@ -19,7 +20,13 @@ def answers(*arguments: str) -> list[dict[str, Any]]:
     return list(json.loads(found.stdout))
 
 
+def assembly(path: Path, description: Any, *options: str) -> Result:
+    """The command for a structure as a file describes it; the file is written."""
+    path.write_text(yaml.safe_dump(description, sort_keys=False))
+    return run("assembly", str(path), *options)
+
+
 def by_model(path: Path, description: Any, *options: str) -> dict[str, dict[str, Any]]:
     """What models answer for a structure as a file describes it; the file is written."""
-    path.write_text(json.dumps(description))
-    return {str(row["model"]): row for row in answers("assembly", str(path), *options)}
+    found = assembly(path, description, "--format", "json", *options)
+    return {row["model"]: row for row in json.loads(found.stdout)}

@@ -62,10 +62,6 @@ def test_a_quick_answer_loads_no_solver_of_others(
     assert float(time) < 4.0 * seconds  # a busy machine takes longer
 
 
-def test_solvers_are_loaded_with_the_first_programme() -> None:
-    assert "cvxpy" in loaded_by("import sidmacib; sidmacib.capacity")
-
-
 def test_only_what_compiled_code_prints_meanwhile_is_dropped() -> None:
     code = """import ctypes
 from sidmacib.mechanics.optimisation import silent

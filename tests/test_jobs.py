@@ -97,7 +97,7 @@ def case_on(mesh: float) -> JointCase:
     return a_case("yade", Joint(locks=3), Loading(Direction(0.0)), mesh)
 
 
-def test_more_nodes_ask_for_more() -> None:
+def test_more_nodes_ask_for_more_but_no_longer_than_the_time_limit_of_the_engine() -> None:
     coarse, fine = case_on(mesh=0.02), case_on(mesh=0.005)
     assert nodes_of(fine.subject) > 5 * nodes_of(coarse.subject)
     for one, other in (
@@ -106,9 +106,6 @@ def test_more_nodes_ask_for_more() -> None:
     ):
         assert one.time < other.time
         assert one.memory <= other.memory
-
-
-def test_an_engine_asks_for_no_more_than_its_own_time_limit() -> None:
     assert engine_resources(case_on(mesh=0.001), 60).time == 60
 
 

@@ -118,9 +118,7 @@ def test_pieces_share_the_rectangle_in_which_they_touch(exponent: float) -> None
 
 
 @given(st.floats(-6, 6), st.sampled_from([-1e-3, 1e-6, 1.0]), st.sampled_from([0.5, 1.0]))
-def test_pieces_apart_or_along_an_edge_share_no_face_whatever_their_size(
-    exponent: float, gap: float, beside: float
-) -> None:
+def test_pieces_apart_or_at_edges_share_no_face(exponent: float, gap: float, beside: float) -> None:
     size = 10.0**exponent
     with pytest.raises(ValueError, match="face: lower does not touch upper from below"):
         face(boxes(size, (0.0 if beside == 1.0 else gap) * size, beside))
@@ -155,35 +153,25 @@ def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, l
     assert (np.delete(permanent, 2, axis=1) == 0.0).all()
 
 
-def loaded(joint: Joint, loading: Loading) -> dict[str, float]:
-    """Force in y on each loaded piece, per newton of load."""
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    force = lateral_load(joint, model, loading).variable[:, 1]
-    return {p.name: float(f) for p, f in zip(model.pieces, force, strict=True) if f}
-
-
-def test_the_first_lock_takes_the_share_of_its_height(joint: Joint) -> None:
-    found = loaded(joint, Loading(Direction(0.0)))
-    share = joint.h / (joint.h + joint.H)
-    assert found == pytest.approx({"lock1": share, "column1": 1.0 - share})
-
-
 @pytest.mark.parametrize(
-    ("locks", "push", "names"),
+    ("locks", "loading", "names"),
     [
-        (3, Push.MINUS_Y, {"lock3", "column3"}),
-        (4, Push.MINUS_Y, {"column4"}),  # lock 4 belongs to the lower block
-        (4, Push.PLUS_Y, {"lock1", "column1"}),
+        (3, Loading(Direction(0.0)), ["lock1", "column1"]),
+        (3, Loading(Direction(0.0), push=Push.MINUS_Y), ["lock3", "column3"]),
+        # Lock 4 belongs to the lower block.
+        (4, Loading(Direction(0.0), push=Push.MINUS_Y), ["column4"]),
+        (3, Loading(Direction(0.0), LoadShare.BODY), ["column1"]),
     ],
 )
-def test_the_load_acts_on_the_upper_block_only(locks: int, push: Push, names: set[str]) -> None:
-    found = loaded(Joint(locks), Loading(Direction(0.0), push=push))
-    assert set(found) == names
-    assert np.sign(sum(found.values())) == (1 if push is Push.PLUS_Y else -1)
-
-
-def test_a_load_on_the_body_spares_the_lock(joint: Joint) -> None:
-    assert set(loaded(joint, Loading(Direction(0.0), LoadShare.BODY))) == {"column1"}
+def test_the_load_is_shared_by_height(locks: int, loading: Loading, names: list[str]) -> None:
+    joint = Joint(locks)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
+    force = lateral_load(joint, model, loading).variable[:, 1]
+    heights = [joint.h if name.startswith("lock") else joint.H for name in names]
+    sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
+    shares = {n: sign * h / sum(heights) for n, h in zip(names, heights, strict=True)}
+    pieces = zip(model.pieces, force.tolist(), strict=True)
+    assert {piece.name: load for piece, load in pieces if load} == pytest.approx(shares)
 
 
 def test_a_joint_without_cohesion_has_its_weight_for_a_scale(joint: Joint) -> None:

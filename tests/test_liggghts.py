@@ -1,22 +1,19 @@
 """The distinct elements in LIGGGHTS: what is special to this engine. Real runs, small ones."""
 
-import contextlib
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from conftest import a_case
+from campaigns.faults import processes_in
+from conftest import ROOT, a_case
+from joints import loaded
 from test_execute import becomes_true
 
+from sidmacib import Direction, Joint, Loading, static_peak
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.run import EngineError, execute
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.static import static_peak
 
 pytestmark = pytest.mark.engine
 
@@ -26,8 +23,7 @@ LIGGGHTS = ENGINES["liggghts"]
 def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
     joint, loading = Joint(3), Loading(Direction(2.0))
     found = run(a_case("liggghts", joint, loading, mesh=0.01))
-    model = assemble(joint, 0.01, NodeLayout.CENTRES)
-    expected = static_peak(model, lateral_load(joint, model, loading))
+    expected = static_peak(*found.case.subject.problem())
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
     assert found.peak_load == pytest.approx(expected.peak.load, rel=0.01)
 
@@ -41,10 +37,7 @@ def test_two_ranks_find_what_one_finds(run) -> None:
 
 
 def written(tmp_path: Path, locks: int = 2, mesh: float = 0.03, **numerics: int) -> Path:
-    joint = Joint(locks)
-    assembly = assemble(joint, mesh, NodeLayout.CENTRES)
-    loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
-    write_script(LIGGGHTS, assembly, loads, Numerics(**numerics), "case", tmp_path)
+    write_script(LIGGGHTS, *loaded(Joint(locks), 0.0, mesh), Numerics(**numerics), "case", tmp_path)
     return tmp_path
 
 
@@ -54,26 +47,10 @@ def test_a_broken_input_script_fails_with_liggghts_own_words(tmp_path: Path) -> 
     text = deck.read_text()
     assert right in text
     deck.write_text(text.replace(right, wrong))
-    with pytest.raises(
-        EngineError,
-        match=r"(?s)ended with exit code 1.*(ERROR|LIGGGHTS ended before its commands were done)",
-    ):
+    words = r"(?s)ended with exit code 1.*(ERROR|LIGGGHTS ended before its commands were done)"
+    with pytest.raises(EngineError, match=words):
         execute(LIGGGHTS, tmp_path, 60)
     assert not (tmp_path / "result.json").exists()
-
-
-def processes_in(folder: Path) -> set[int]:
-    """Living processes whose working directory is ``folder`` or below it."""
-    found = set()
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            place = str((process / "cwd").readlink())
-            state = (process / "stat").read_text().rpartition(")")[2].split()[0]
-        except OSError:
-            continue
-        if place.startswith(str(folder)) and state != "Z":
-            found.add(int(process.name))
-    return found
 
 
 def shared_memory() -> set[Path]:
@@ -96,16 +73,12 @@ def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(tmp_path: Path)
         "from sidmacib.engines.run import execute;"
         f"execute(ENGINES['liggghts'], Path({str(tmp_path)!r}), 300)"
     )
-    runner = subprocess.Popen([sys.executable, "-c", call], cwd=Path(__file__).parents[1])
+    runner = subprocess.Popen([sys.executable, "-c", call], cwd=ROOT)
 
-    def programs() -> list[str]:
-        names = []
-        for process in processes_in(tmp_path):
-            with contextlib.suppress(OSError):
-                names.append(Path(f"/proc/{process}/comm").read_text().strip())
-        return names
+    def ranks() -> int:
+        return sum(each.startswith("liggghts") for each in processes_in(tmp_path))
 
-    assert becomes_true(lambda: programs().count("liggghts") == 2)
+    assert becomes_true(lambda: ranks() == 2)
     runner.kill()
     runner.wait()
     assert becomes_true(lambda: not processes_in(tmp_path))

@@ -12,21 +12,17 @@ from hypothesis import strategies as st
 from joints import loaded
 
 from sidmacib import CapacityError, UnboundedError, static_peak
-from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
-from sidmacib.joint.loading import Loading, Push, posed
+from sidmacib.joint import DRY, HoldDown, Joint, UpperBody
+from sidmacib.joint.parameters import with_parameters
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.limit import LimitState, limit_load
 
 
-def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:
-    return limit_load(*posed(joint, loading, mesh, NodeLayout.CENTRES)).load
-
-
 @pytest.mark.parametrize("e_over_a", [0.0, -5.0, math.inf])
 def test_one_lock_carries_nothing_and_not_minus_nothing(e_over_a: float) -> None:
-    found = limit_of(Joint(1, hold_down=HoldDown.weight()), Loading(Direction(e_over_a)))
+    found = limit_load(*loaded(Joint(1, hold_down=HoldDown.weight()), e_over_a)).load
     assert (found, math.copysign(1.0, found)) == (0.0, 1.0)
 
 
@@ -35,17 +31,6 @@ def test_an_inner_face_in_torsion_carries_its_plastic_torque(joint: Joint) -> No
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
     found = limit_load(model, load_on_block(model, (0.0, 0.0, 0.0), 1.0)).load
     assert found == pytest.approx(joint.inner.cohesion * float(model.nodes.area @ arm), rel=1e-6)
-
-
-@pytest.mark.parametrize("strength", [0.0, 1e3, 3.7e5])
-def test_a_block_is_pulled_off_at_its_tensile_strength_and_weight(
-    joint: Joint, strength: float
-) -> None:
-    weak = replace(joint, inner=replace(INNER, tensile_strength=strength))
-    model = block_on_ground(weak, Kind.INNER, 0.02)
-    found = limit_load(model, load_on_block(model, (0.0, 0.0, 1.0), 0.0)).load
-    expected = strength * joint.a * joint.b + model.pieces[1].weight
-    assert found == pytest.approx(expected, rel=1e-7, abs=1e-8 * joint.T0)
 
 
 def test_a_block_pressed_without_end_has_no_limit(joint: Joint) -> None:
@@ -68,14 +53,6 @@ def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -
     assert 2 / 3 * 0.3 * 1000.0 < rough - smooth < 0.3 * pressure
 
 
-@pytest.mark.parametrize("push", Push)
-def test_mirrored_torque_and_push_have_one_limit_for_odd_locks(joint: Joint, push: Push) -> None:
-    expected = limit_of(joint, Loading(Direction(0.3)))
-    for eccentricity in (0.3, -0.3):
-        found = limit_of(joint, Loading(Direction(eccentricity), push=push))
-        assert found == pytest.approx(expected, rel=1e-7)
-
-
 @settings(max_examples=8)
 @given(
     st.floats(-6, 6).map(lambda power: 10**power),
@@ -86,9 +63,9 @@ def test_mirrored_torque_and_push_have_one_limit_for_odd_locks(joint: Joint, pus
 def test_the_limit_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitude(
     length: float, stress: float, eccentricity: float, locks: int
 ) -> None:
-    joint, loading, factor = Joint(locks), Loading(Direction(eccentricity)), stress * length**2
+    joint, factor = Joint(locks), stress * length**2
     one, other = (
-        limit_of(each, loading, 0.03 * size)
+        limit_load(*loaded(each, eccentricity, 0.03 * size)).load
         for each, size in ((joint, 1.0), (scaled(joint, length, stress), length))
     )
     # To the nine digits that are reported, of which the last may be rounded either way.
@@ -101,18 +78,14 @@ def masonry(count: int) -> list[tuple[Joint, float]]:
     found = []
     for _ in range(count):
         b, cohesion = random.uniform(0.05, 0.3), 10 ** random.uniform(4.7, 6.6)
-        joint = Joint(
-            int(random.integers(2, 8)),
-            a=random.uniform(0.05, 0.5),
-            b=b,
-            h=b * random.uniform(0.06, 0.6),
-            H=b * random.uniform(0.3, 1.5),
-            density=random.uniform(1400, 2700),
-            inner=replace(
-                INNER, cohesion=cohesion, tensile_strength=cohesion * random.uniform(0.3, 5)
-            ),
-            dry=replace(DRY, friction=random.uniform(0.0, 0.8)),
-        )
+        given = {
+            **{"locks": int(random.integers(2, 8)), "a": random.uniform(0.05, 0.5), "b": b},
+            **{"h": b * random.uniform(0.06, 0.6), "H": b * random.uniform(0.3, 1.5)},
+            **{"density": random.uniform(1400, 2700), "cohesion": cohesion},
+            "tensile_strength": cohesion * random.uniform(0.3, 5),
+            "friction": random.uniform(0.0, 0.8),
+        }
+        joint = with_parameters(Joint(3), given)
         found.append((joint, float(random.choice([0.0, 0.1, 0.5, math.inf]))))
     return found
 

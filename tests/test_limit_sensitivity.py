@@ -42,10 +42,8 @@ def by(problem: Problem, name: str, material: FaceMaterial, friction: bool = Tru
 
 # --- strengths and friction ----------------------------------------------------------------------
 @pytest.mark.parametrize(("friction", "rise"), [(0.2, BLOCK.weight), (0.8, 0.0), (0.4, None)])
-def test_friction_adds_the_weight_where_a_block_slides_nothing_where_it_overturns(
-    friction: float, rise: float | None
-) -> None:
-    """Where it does both, there is no derivative."""
+def test_friction_adds_the_weight_where_blocks_slide(friction: float, rise: float | None) -> None:
+    """Nothing where it overturns; where it does both, there is no derivative."""
     found = by(pushed([GROUND, BLOCK], dry(friction)), "friction", dry(friction))
     assert found is None if rise is None else found == pytest.approx(rise, rel=1e-6, abs=1e-6)
 

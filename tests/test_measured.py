@@ -14,21 +14,15 @@ from small import SMALL
 from analysis.tables.comparisons import measured_table
 from studies.measured.specimens import LEAST, POWER, SIGNIFICANCE, specimens
 from workflow.configuration import read_study
-from workflow.schema import MeasuredLoad, Study
+from workflow.schema import MeasuredLoad
 
+LOAD = {"sample": "n3", "eccentricity": 0.5, "torque": 3.0, "specimen": "A1"}
 SOURCE = {"source": "a made-up campaign, for tests", "digitised": "not at all"}
-
-
-LOAD: dict[str, Any] = {"sample": "n3", "eccentricity": 0, "shear": 240.0}
-
-
-def config_with(*loads: dict[str, Any]) -> dict[str, Any]:
-    more = {"models": ["static", "law"], "measured": {**SOURCE, "loads": list(loads)}}
-    return SMALL | {"meshes": [0.02, 0.005]} | more
-
-
-def study_with(*loads: dict[str, Any]) -> Study:
-    return read_study(config_with(*loads))
+CONFIG = SMALL | {
+    "meshes": [0.02, 0.005],
+    "models": ["static", "law"],
+    "measured": SOURCE | {"loads": [LOAD]},
+}
 
 
 @pytest.mark.parametrize(
@@ -40,15 +34,13 @@ def study_with(*loads: dict[str, Any]) -> Study:
         ({"eccentricity": "torsion", "torque": 3.0}, (0.0, 3.0)),
     ],
 )
-def test_a_load_is_given_by_its_shear_or_its_torque(
-    load: dict[str, Any], expected: tuple[float, float]
-) -> None:
+def test_a_load_is_a_shear_or_a_torque(load: dict[str, Any], expected: tuple[float, float]) -> None:
     found = MeasuredLoad.model_validate({"sample": "n3", **load}).components(a=0.06)
     assert found == pytest.approx(expected)
 
 
 def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> None:
-    study = study_with({"sample": "n3", "eccentricity": 0.5, "torque": 3.0, "specimen": "A1"})
+    study = read_study(CONFIG)
     fine, coarse = min(study.meshes), max(study.meshes)
     capacity = pd.DataFrame(
         [("law", fine, 115.0), ("static", fine, None), ("static", coarse, 1.0)],
@@ -63,7 +55,7 @@ def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> No
 
 @pytest.mark.study
 def test_a_study_with_measured_loads_has_a_table_of_them(tmp_path: Path) -> None:
-    assert "tables/measured.csv" in outputs_of(config_with(LOAD), tmp_path)["comparisons"]
+    assert "tables/measured.csv" in outputs_of(CONFIG, tmp_path)["comparisons"]
 
 
 def test_so_many_specimens_find_a_difference_as_often_as_asked() -> None:

@@ -23,12 +23,9 @@ CODEMETA = json.loads((ROOT / "codemeta.json").read_text())
 ZENODO = json.loads((ROOT / ".zenodo.json").read_text())
 
 
-def test_all_files_name_the_same_version() -> None:
+def test_all_files_name_the_same_version_title_authors_licence_keywords_and_paper() -> None:
     assert PROJECT["version"] == CITATION["version"] == CODEMETA["version"]
     assert f"## {PROJECT['version']}" in (ROOT / "CHANGELOG.md").read_text()
-
-
-def test_all_files_name_the_same_title_authors_licence_and_keywords() -> None:
     authors = [author["name"] for author in PROJECT["authors"]]
     assert authors == [author["name"] for author in CITATION["authors"]]
     assert authors == [author["name"] for author in CODEMETA["author"]]
@@ -39,9 +36,6 @@ def test_all_files_name_the_same_title_authors_licence_and_keywords() -> None:
     assert CODEMETA["license"].endswith(f"/{PROJECT['license']}")
     keywords = PROJECT["keywords"]
     assert keywords == CITATION["keywords"] == CODEMETA["keywords"] == ZENODO["keywords"]
-
-
-def test_all_files_name_the_paper_whose_study_is_repeated() -> None:
     doi = CITATION["references"][0]["doi"]
     assert PROJECT["urls"]["Published study"] == f"https://doi.org/{doi}"
     assert CODEMETA["referencePublication"]["@id"] == f"https://doi.org/{doi}"
@@ -150,20 +144,15 @@ def pins(name: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", LOCKS)
-def test_a_lock_file_has_digests_of_all_it_names(name: str) -> None:
+def test_a_lock_file_is_current_and_has_digests_of_all_it_names(name: str) -> None:
+    """It has all that the project asks for, in versions that it allows."""
     text = (ROOT / name).read_text()
     named = re.findall(r"^[A-Za-z0-9._-]+==", text, re.MULTILINE)
     assert len(named) == len(PIN.findall(text)) > 0
-
-
-@pytest.mark.parametrize("name", LOCKS)
-def test_a_lock_file_is_current(name: str) -> None:
-    """It has all that the project asks for, in versions that it allows."""
     found = pins("requirements.txt") | pins(name)  # which it adds to
-    for text in LOCKS[name]:
-        wanted = Requirement(text)
+    for wanted in map(Requirement, LOCKS[name]):
         assert canonicalize_name(wanted.name) in found, f"{wanted.name}: run make lock"
-        assert found[canonicalize_name(wanted.name)] in wanted.specifier, text
+        assert found[canonicalize_name(wanted.name)] in wanted.specifier, wanted
 
 
 @pytest.mark.parametrize(

@@ -25,8 +25,10 @@ def sites(assembly: Assembly, runs: dict[str, Vector]) -> tuple[Site, ...]:
     )
 
 
-def all_locked(given: tuple[Site, ...]) -> list:
-    return [site.layouts[0] for site in given]
+def chosen(assembly: Assembly, runs: dict[str, Vector]) -> tuple[Assembly, tuple[Site, ...], list]:
+    """The assembly, its sites, and locks at all of them."""
+    found = sites(assembly, runs)
+    return assembly, found, [site.layouts[0] for site in found]
 
 
 def corner(walls: int) -> Assembly:
@@ -42,9 +44,7 @@ def corner(walls: int) -> Assembly:
 
 
 def test_a_block_on_locks_comes_from_above_or_along_them() -> None:
-    assembly = corner(0)
-    here = sites(assembly, {"ground-cube": X})
-    order = order_of(assembly, here, all_locked(here))
+    order = order_of(*chosen(corner(0), {"ground-cube": X}))
     assert order.stuck == ()
     (step,) = order.steps
     assert step.along[1] == 0.0  # not across the locks
@@ -52,26 +52,22 @@ def test_a_block_on_locks_comes_from_above_or_along_them() -> None:
 
 
 def test_locks_at_right_angles_in_two_faces_leave_one_way_and_in_three_none() -> None:
-    assembly = corner(1)
-    here = sites(assembly, {"ground-cube": X, "cube-east": Z})
     # Along x or upwards for the ground, not towards the wall, upwards or along x for the wall.
-    assert order_of(assembly, here, all_locked(here)).stuck == ()
-    assembly = corner(2)
-    here = sites(assembly, {"ground-cube": X, "cube-east": Y})
-    cube = [piece.name for piece in assembly.pieces].index("cube")
-    assert order_of(assembly, here, all_locked(here)).stuck == (cube,)
+    assert order_of(*chosen(corner(1), {"ground-cube": X, "cube-east": Z})).stuck == ()
+    walled = corner(2)
+    cube = [piece.name for piece in walled.pieces].index("cube")
+    assert order_of(*chosen(walled, {"ground-cube": X, "cube-east": Y})).stuck == (cube,)
 
 
 def test_of_the_locks_that_block_only_those_needed_for_it_are_named() -> None:
-    assembly = corner(3)
     names = {"ground-cube": X, "cube-east": Y, "cube-north": Z}
-    here = sites(assembly, names)
-    found = conflict(assembly, here, all_locked(here))
+    assembly, here, locks = chosen(corner(3), names)
+    found = conflict(assembly, here, locks)
     faces = {assembly.faces[here[site].face].name for site, _ in found}
     assert len(found) <= 2
     assert "cube-east" in faces
     blocking = {site for site, _ in found}
-    choice = [None if k in blocking else each for k, each in enumerate(all_locked(here))]
+    choice = [None if k in blocking else each for k, each in enumerate(locks)]
     assert conflict(assembly, here, choice) is None
 
 
@@ -80,8 +76,7 @@ def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has
     radial: dict[str, Vector] = {
         face.name: (face.middle[0], 0.0, face.middle[2]) for face in arch.faces
     }
-    here = sites(arch, radial)
-    order = order_of(arch, here, all_locked(here))
+    order = order_of(*chosen(arch, radial))
     assert order.stuck == ()
     crown = arch.pieces[order.steps[-1].block].centre
     assert np.dot(order.steps[-1].along, crown) < 0.0
@@ -90,7 +85,6 @@ def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has
     for number, face in enumerate(ordered):
         if number % 2:
             radial[face.name] = Y
-    mixed = sites(arch, radial)
-    assert len(order_of(arch, mixed, all_locked(mixed)).stuck) == 5
-    found = conflict(arch, mixed, all_locked(mixed))
-    assert len(found) == len(arch.faces) == 6
+    mixed = chosen(arch, radial)
+    assert len(order_of(*mixed).stuck) == 5
+    assert len(conflict(*mixed)) == len(arch.faces) == 6

@@ -83,9 +83,7 @@ def test_slopes_are_those_of_the_curve(solved_study: tuple[Study, Path]) -> None
 
 @pytest.mark.study
 @pytest.mark.parametrize("name", ["published-short", "peaks", "weights", "options"])
-def test_published_numbers_stand_beside_computed_ones(
-    name: str, solved_study: tuple[Study, Path]
-) -> None:
+def test_published_numbers_are_beside_computed(name: str, solved_study: tuple[Study, Path]) -> None:
     text = BLOCKS[name](solved_study[1])
     assert "nan" not in text
     assert len(text.splitlines()) > 3

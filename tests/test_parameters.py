@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from small import SMALL
 
-from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
+from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib, assemble, pairs_of
 from sidmacib.joint import INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, SIZES, unit_warnings, with_parameters
-from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import FaceMaterial, Kind
 from sidmacib.quantities import Length
 from sidmacib.rule import law, spans_of
-from sidmacib.rule.pairs import pairs_of
 from workflow.configuration import read_study
 from workflow.consistency import notes
 
@@ -176,53 +175,35 @@ def test_a_slider_lies_within_the_range_of_its_parameter() -> None:
                 parameter.read(value * (unit[1] if unit else 1.0))
 
 
-def test_the_published_joint_raises_no_doubt() -> None:
-    assert list(unit_warnings(Joint(5, elastic=Elastic(1e10)))) == []
-
-
 @pytest.mark.parametrize(
-    ("joint", "words"),
+    ("name", "value", "words"),
     [
-        (Joint(5, H=60.0), "H: 60 m is very large; is it in m?"),
-        (Joint(5, elastic=Elastic(10.0)), "young: 10 Pa is very small; is it in Pa?"),
-        (
-            Joint(5, inner=replace(Joint(5).inner, cohesion=0.08)),
-            "cohesion: 0.08 Pa is very small; is it in Pa?",
-        ),
-        (
-            Joint(5, dry=replace(Joint(5).dry, friction=30.0)),
-            "friction: 30 is very large; is it an angle in degrees? tan(30°) = 0.577",
-        ),
-        (
-            Joint(5, dry=replace(Joint(5).dry, friction=3.0)),
-            "friction: 3 is very large; is it an angle in degrees? tan(3°) = 0.0524",
-        ),
-        (
-            Joint(5, dry=replace(Joint(5).dry, friction=90.0)),
-            "friction: 90 is very large; a coefficient of friction is hardly ever above 1.2",
-        ),
-        (
-            Joint(5, inner=replace(Joint(5).inner, friction=35.0)),
-            "inner faces: friction: 35 is very large; is it an angle in degrees? tan(35°) = 0.7",
-        ),
-        (Joint(5, density=1.4), "density: 1.4 kg/m3 is very small; is it in kg/m3?"),
+        ("H", 60.0, "60 m is very large; is it in m?"),
+        ("young", 10.0, "10 Pa is very small; is it in Pa?"),
+        ("cohesion", 0.08, "0.08 Pa is very small; is it in Pa?"),
+        ("friction", 30.0, "30 is very large; is it an angle in degrees? tan(30°) = 0.577"),
+        ("friction", 3.0, "3 is very large; is it an angle in degrees? tan(3°) = 0.0524"),
+        ("friction", 90.0, "90 is very large; a coefficient of friction is hardly ever above 1.2"),
+        ("density", 1.4, "1.4 kg/m3 is very small; is it in kg/m3?"),
     ],
 )
-def test_another_unit_is_doubted(joint: Joint, words: str) -> None:
-    assert list(unit_warnings(joint)) == [words]
+def test_another_unit_is_doubted(name: str, value: float, words: str) -> None:
+    joint = with_parameters(BENDS, {name: value})
+    assert list(unit_warnings(joint)) == [f"{name}: {words}"]
+
+
+def test_friction_of_inner_faces_is_doubted_by_its_place() -> None:
+    rough = Joint(5, inner=replace(INNER, friction=35.0))
+    words = "inner faces: friction: 35 is very large; is it an angle in degrees? tan(35°) = 0.7"
+    assert list(unit_warnings(rough)) == [words]
 
 
 @given(st.floats(0.0, 1.2))
 def test_a_friction_that_masonry_may_have_is_not_doubted(friction: float) -> None:
-    assert list(unit_warnings(Joint(5, dry=replace(Joint(5).dry, friction=friction)))) == []
+    assert list(unit_warnings(with_parameters(BENDS, {"friction": friction}))) == []
 
 
 def test_a_study_says_which_sample_is_doubted() -> None:
-    study = read_study(
-        {
-            "samples": {"mine": {"locks": 3, "inner": {"cohesion": 0.08}}},
-            "dem": {"engines": []},
-            "models": ["static"],
-        }
-    )
+    mine = {"locks": 3, "inner": {"cohesion": 0.08}}
+    study = read_study(SMALL | {"samples": {"mine": mine}})
     assert notes(study) == ["mine: cohesion: 0.08 Pa is very small; is it in Pa?"]

@@ -6,18 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from described import CUBE, DOWN, PUSH, WEIGHT
 from structures import dry, example, solved
 
 from analysis.tables.structures import structures_table
+from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import refusal
-from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.scene.forces import arrows_of, load_of
-from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.blocks import box, prism
@@ -25,22 +24,18 @@ from sidmacib.structure.files.loads import PermanentSection, permanent_on
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import Permanent
 from sidmacib.structure.structure import structure
+from workflow.schema import with_changes
 
 FRICTION, DENSITY = 0.5, 2000.0
-WEIGHT = DENSITY * GRAVITY  # of the cube of 1 m
-CUBE: dict[str, Any] = {
-    "blocks": {
-        "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
-        "cube": {"low": [0, 0, 0], "high": [1, 1, 1], "density": DENSITY},
-    },
-    "interfaces": {"friction": FRICTION},
-    "load": {"acceleration": [1, 0, 0]},
-}
+PUSHED: dict[str, Any] = {**CUBE, "load": PUSH}
+
+
+SOIL = {"side": [1, 0, 0], "level": 1, "density": 1800, "coefficient": 0.3, "surcharge": "10kPa"}
 
 
 def sliding(*permanent: dict[str, Any]) -> float:
     """The push along x, in N, that the cube carries."""
-    problem = structure_of({**CUBE, "permanent": list(permanent)})
+    problem = structure_of({**PUSHED, "permanent": list(permanent)})
     return limit_load(*problem, friction=True).load
 
 
@@ -51,54 +46,27 @@ def on(assembly: Assembly, *permanent: dict[str, Any]) -> Permanent:
 
 
 @pytest.mark.parametrize(
-    ("permanent", "push"),
+    ("permanent", "more"),  # N, that the cube carries
     [
-        ({"surcharge": {"pascals": "5kPa"}}, FRICTION * (WEIGHT + 5000.0)),
-        ({"surcharge": {"pascals": 5000, "x": [0.25, 0.75]}}, FRICTION * (WEIGHT + 2500.0)),
-        ({"pressure": {"side": [-1, 0, 0], "pascals": "2kPa"}}, FRICTION * WEIGHT - 2000.0),
-        ({"pressure": {"side": [-1, 0, 0], "pascals": -2000}}, FRICTION * WEIGHT + 2000.0),
-        (
-            {"water": {"side": [-1, 0, 0], "level": 0.8}},
-            FRICTION * WEIGHT - 0.5 * 1000.0 * GRAVITY * 0.8**2,
-        ),
-        (
-            {
-                "earth": {
-                    **{"side": [1, 0, 0], "level": 1, "density": 1800},
-                    **{"coefficient": 0.3, "surcharge": "10kPa"},
-                }
-            },
-            FRICTION * WEIGHT + 0.3 * (0.5 * 1800.0 * GRAVITY + 10_000.0),
-        ),
-        (
-            {
-                "force": {
-                    **{"block": "cube", "at": [0.5, 0.5, 1]},
-                    **{"direction": [0, 0, -2], "newtons": "3kN"},
-                }
-            },
-            FRICTION * (WEIGHT + 3000.0),
-        ),
+        ({"surcharge": {"pascals": "5kPa"}}, FRICTION * 5000.0),
+        ({"surcharge": {"pascals": 5000, "x": [0.25, 0.75]}}, FRICTION * 2500.0),
+        ({"pressure": {"side": [-1, 0, 0], "pascals": "2kPa"}}, -2000.0),
+        ({"pressure": {"side": [-1, 0, 0], "pascals": -2000}}, 2000.0),
+        ({"water": {"side": [-1, 0, 0], "level": 0.8}}, -0.5 * 1000.0 * GRAVITY * 0.8**2),
+        ({"earth": SOIL}, 0.3 * (0.5 * 1800.0 * GRAVITY + 10_000.0)),
+        ({"force": {**DOWN["force"], "direction": [0, 0, -2], "newtons": "3kN"}}, FRICTION * 3e3),
     ],
 )
-def test_a_cube_slides_where_friction_and_permanent_loads_say(
-    permanent: dict[str, Any], push: float
-) -> None:
-    assert sliding(permanent) == pytest.approx(push, rel=1e-6)
+def test_a_cube_slides_where_permanent_loads_say(permanent: dict[str, Any], more: float) -> None:
+    assert sliding(permanent) == pytest.approx(FRICTION * WEIGHT + more, rel=1e-6)
 
 
 def test_earth_behind_a_wall_overturns_it_at_the_height_of_the_triangle() -> None:
     """A wall of 0.5 by 2 m: W b / 2 = K gamma h^3 / 6 + P h / 2 about its toe."""
-    wall = {"low": [0, 0, 0], "high": [0.5, 1, 2], "density": DENSITY}
     earth = {"side": [-1, 0, 0], "level": 2, "coefficient": 0.1, "density": 1800}
-    given = {
-        **CUBE,
-        "blocks": {**CUBE["blocks"], "cube": wall},
-        "interfaces": {"friction": 2},
-        "permanent": [{"earth": earth}],
-    }
-    weight, push = WEIGHT, 0.1 * 1800 * GRAVITY * 2**2 / 2
-    expected = weight * 0.25 - push * 2 / 3
+    wall = {"blocks": {"cube": {"high": [0.5, 1, 2]}}, "interfaces": {"friction": 2}}
+    given = with_changes(PUSHED, wall) | {"permanent": [{"earth": earth}]}
+    expected = WEIGHT * 0.25 - 0.1 * 1800 * GRAVITY * 2**2 / 2 * 2 / 3
     assert limit_load(*structure_of(given), friction=True).load == pytest.approx(expected, rel=1e-6)
 
 
@@ -139,8 +107,8 @@ def test_pressure_on_blocks_with_locks_is_that_on_their_sides() -> None:
 
 def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
     """A block that rocks about an edge under its weight and a force on the middle of its top."""
-    force = {"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1], "newtons": WEIGHT}
-    given = {**CUBE, "interfaces": {"friction": 2}, "permanent": [{"force": force}]}
+    force = DOWN["force"] | {"newtons": WEIGHT}
+    given = {**PUSHED, "interfaces": {"friction": 2}, "permanent": [{"force": force}]}
     curve = capacity_curve(*structure_of(given))
     turns = [each.placed.turn[1] for each in curve.path.positions[:-1]]
     turn = np.array([math.atan2(each[0, 2], each[0, 0]) for each in turns])
@@ -158,14 +126,8 @@ def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
         ({"pressure": {"side": [1, 0, 0], "pascals": "5kN"}}, "5kN is a force"),
         ({"earth": {"side": [1, 0, 1], "level": 1, "coefficient": 1}}, "it must be horizontal"),
         ({"surcharge": {"pascals": 1, "x": [1, 0]}}, "the first value must not exceed"),
-        (
-            {"surcharge": {"pascals": 1, "blocks": "kube"}},
-            "surcharge: blocks: .kube. is not allowed; it must be names of free",
-        ),
-        (
-            {"force": {"block": "ground", "at": [0, 0, 0], "direction": [1, 0, 0], "newtons": 1}},
-            "permanent.1.force.block: 'ground' is not allowed",
-        ),
+        ({"surcharge": {"pascals": 1, "blocks": "kube"}}, "blocks: .kube. is .* be names of free"),
+        ({"force": {**DOWN["force"], "block": "ground", "newtons": 1}}, "block: 'ground' is not"),
         ({}, "permanent.1: must have one key, force, pressure, surcharge, earth, water"),
     ],
 )
@@ -177,12 +139,7 @@ def test_a_fault_of_a_permanent_load_is_named(permanent: dict[str, Any], message
 SLOPE = {"tilt": {"axis": [0, 1, 0]}}
 PRESSED = [
     {"surcharge": {"pascals": 0.4 * WEIGHT}},
-    {
-        "force": {
-            **{"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1]},
-            "newtons": 0.4 * WEIGHT,
-        }
-    },
+    {"force": DOWN["force"] | {"newtons": 0.4 * WEIGHT}},
 ]
 
 
@@ -230,7 +187,7 @@ def test_arrows_and_words_tell_what_does_not_turn() -> None:
     assert load_of(problem).endswith("permanent loads beside weight, together (0, 0, -7848) N")
 
 
-@pytest.mark.parametrize("load", [CUBE["load"], SLOPE])
+@pytest.mark.parametrize("load", [PUSH, SLOPE])
 def test_what_falls_is_said_to_fall_by_all_permanent_loads(load: dict[str, Any]) -> None:
     pressed = {"pressure": {"side": [-1, 0, 0], "pascals": 2 * WEIGHT}}
     problem = structure_of({**CUBE, "permanent": [pressed], "load": load})

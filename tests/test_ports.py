@@ -7,14 +7,12 @@ from pathlib import Path
 
 import pytest
 from campaigns.faults import descendants
+from joints import loaded
 
+from sidmacib import Elastic, Joint
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.scripts.children import PRIVATE_NETWORK
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Elastic, NodeLayout
 
 pytestmark = [
     pytest.mark.engine,
@@ -63,23 +61,16 @@ def test_the_watcher_sees_a_listener_of_the_run_and_no_other(tmp_path: Path) -> 
         other.wait()
 
 
-RUNS = [
-    (name, n)
-    for name, engine in ENGINES.items()
-    for n in (1, 2)
-    if n == 1 or "ranks" in engine.reads
-]
+MORE = [(name, 2) for name, engine in ENGINES.items() if "ranks" in engine.reads]
 
 
-@pytest.mark.parametrize(("name", "ranks"), RUNS)
+@pytest.mark.parametrize(("name", "ranks"), [*((name, 1) for name in ENGINES), *MORE])
 def test_a_run_listens_nowhere(name: str, ranks: int, tmp_path: Path) -> None:
     if ranks > 1 and subprocess.run([*PRIVATE_NETWORK, "true"], check=False).returncode:
         pytest.skip("this system allows no private network")
     engine = ENGINES[name]
     joint = Joint(2, elastic=Elastic(1e10) if engine.elastic else None)
-    assembly = assemble(joint, 0.03, NodeLayout.CENTRES)
-    loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
-    write_script(engine, assembly, loads, Numerics(ranks=ranks), "case", tmp_path)
+    write_script(engine, *loaded(joint), Numerics(ranks=ranks), "case", tmp_path)
     with (tmp_path / "log").open("w") as log:
         process = subprocess.Popen(
             [*engine.command, engine.script], cwd=tmp_path, stdout=log, stderr=log

@@ -35,9 +35,7 @@ def test_pure_shear_is_published(locks: int, published: float, option: str, fric
     st.floats(0.05, 0.5),
     st.one_of(st.floats(0.0, 1.0), st.just(math.inf)),
 )
-def test_without_friction_torque_falls_linearly_with_shear(
-    locks: int, distance: float, eccentricity: float
-) -> None:
+def test_torque_falls_linearly_with_shear(locks: int, distance: float, eccentricity: float) -> None:
     joint = Joint(locks)
     model = Sidmacib(joint, ContactOption.pair(distance), friction=False)
     point = capacity(model, Direction(eccentricity))
@@ -61,7 +59,7 @@ def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> f
     return (count - 1) * step
 
 
-def test_a_joint_asked_one_direction_at_a_time_is_made_into_a_programme_once(
+def test_a_programme_is_made_once_for_a_joint(
     joint: Joint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     model = Sidmacib(joint, ContactOption.pair(0.123), overload=777.0)
@@ -79,9 +77,7 @@ def test_a_joint_asked_one_direction_at_a_time_is_made_into_a_programme_once(
 
 @pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5])
-def test_raising_the_load_step_by_step_ends_at_the_same_load(
-    joint: Joint, friction: bool, eccentricity: float
-) -> None:
+def test_steps_end_at_the_same_load(joint: Joint, friction: bool, eccentricity: float) -> None:
     direction = Direction(eccentricity)
     model = Sidmacib(joint, OPTIONS["option4"], friction=friction)
     step = 2.0

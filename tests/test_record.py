@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import a_case
 
 from sidmacib import Assembly, Direction, Joint, Loading, NodeLayout, assemble, lock_weights
 from sidmacib.engines.results import (
@@ -24,16 +25,15 @@ from sidmacib.errors import ResultError
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.problem import Outcome, State
-from workflow.case import Case, JointCase, JointSubject
+from workflow.case import JointCase
 from workflow.results import BENCHMARKS, Record, read_times, record_of, record_without_result
 from workflow.solve import solved
 
 JOINT = Joint(3)
 
 
-def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> JointCase:
-    subject = JointSubject("n3", joint, 0.03, NodeLayout.CENTRES, Loading(Direction(ratio)))
-    return Case("n3-case", model, "reference", subject, None)
+def case_of(ratio: float = 0.0, joint: Joint = JOINT) -> JointCase:
+    return a_case("static", joint, Loading(Direction(ratio)))
 
 
 def parts(case: JointCase) -> tuple[Assembly, Outcome]:
@@ -146,7 +146,7 @@ def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.5, math.inf])
-def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
+def test_a_record_has_what_each_lock_carries_and_reads_as_it_was_written(ratio: float) -> None:
     case = case_of(ratio)
     record, assembly, found = solved(case, static.solve)
     force, strength = found.path[-1].force, JOINT.T0
@@ -160,6 +160,7 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
             assert getattr(recorded, name) == pytest.approx(expected, rel=1e-9, abs=1e-9 * strength)
     most = max(abs(lock.shear_x_N) for lock in record.part.weights)
     assert most > 1e-3 * strength if ratio else most == 0.0
+    assert Record.from_json(record.to_json()) == record
 
 
 def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path) -> None:
@@ -195,12 +196,6 @@ def test_stresses_that_do_not_balance_the_loads_are_refused(factor: float, refus
     wrong = replace(found, path=(*found.path[:-1], replace(peak, force=factor * peak.force)))
     with pytest.raises(ResultError, match="do not balance") if refused else nullcontext():
         record_of(case, case.subject.problem(), wrong, {})
-
-
-@pytest.mark.parametrize("ratio", [0.0, 0.5, math.inf])
-def test_a_record_reads_as_it_was_written(ratio: float) -> None:
-    record = solved(case_of(ratio), static.solve)[0]
-    assert Record.from_json(record.to_json()) == record
 
 
 def test_a_failed_case_has_a_record_with_its_reason_on_one_line() -> None:

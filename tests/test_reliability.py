@@ -50,15 +50,13 @@ def test_survival_falls_from_certain_to_none() -> None:
     assert chances[-1] == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("share", [0.0, 1.0, -1.0])
-def test_shares_that_are_none_are_refused(share: float) -> None:
-    with pytest.raises(ValueError, match="share"):
-        scatter(Joint(3), PURE_SHEAR, 0.2).quantile(share)
-
-
-def test_a_variation_must_be_positive() -> None:
-    with pytest.raises(ValueError, match="variation"):
-        scatter(Joint(3), PURE_SHEAR, 0.0)
+@pytest.mark.parametrize(
+    ("variation", "share", "name"),
+    [*((0.2, share, "share") for share in (0.0, 1.0, -1.0)), (0.0, 0.5, "variation")],
+)
+def test_quantiles_of_nothing_are_refused(variation: float, share: float, name: str) -> None:
+    with pytest.raises(ValueError, match=name):
+        scatter(Joint(3), PURE_SHEAR, variation).quantile(share)
 
 
 ECCENTRIC = Direction(0.3)

@@ -8,22 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joints import loaded
 from processes import python
 from stack import tilted_stack
-from structures import dry
+from structures import on_ground
 
+from sidmacib import Elastic, Joint
 from sidmacib.engines import ENGINES, Engine, Numerics
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.run import guide_of, run_engine
 from sidmacib.engines.scripts.assembly import Guide, read_assembly
-from sidmacib.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load, posed
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Assembly, Elastic, Loads, NodeLayout
 from sidmacib.problem import Problem
-from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
-from sidmacib.structure.structure import structure
 
 
 @pytest.fixture(params=ENGINES)
@@ -31,34 +27,24 @@ def engine(request: pytest.FixtureRequest) -> Engine:
     return ENGINES[request.param]
 
 
-@pytest.fixture(name="case")
-def three_locks() -> tuple[Assembly, Loads]:
-    joint = Joint(3)
-    assembly = assemble(joint, 0.02, NodeLayout.CENTRES)
-    return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
+@pytest.fixture
+def case() -> Problem:
+    return loaded(Joint(3), 0.5, 0.02)
 
 
-def written(
-    engine: Engine, case: tuple[Assembly, Loads], folder: Path, guide: Guide | None = None
-) -> Path:
+def written(engine: Engine, case: Problem, folder: Path, guide: Guide | None = None) -> Path:
     write_script(engine, *case, Numerics(), "three locks", folder, guide)
     return folder
 
 
-def test_the_script_is_python_without_traces_of_the_template(
-    engine: Engine, case, tmp_path: Path
+def test_a_script_is_python_beside_its_modules_and_needs_none_of_this_project(
+    engine: Engine, case: Problem, tmp_path: Path
 ) -> None:
     text = (written(engine, case, tmp_path) / engine.script).read_text()
     ast.parse(text)
     assert "{{" not in text and "{%" not in text
     assert "three locks" in text
-
-
-def test_all_modules_that_a_script_needs_are_beside_it_and_none_of_this_project(
-    engine: Engine, case, tmp_path: Path
-) -> None:
-    modules = written(engine, case, tmp_path) / MODULES.name
-    copied = list(modules.rglob("*.*"))
+    copied = list((tmp_path / MODULES.name).rglob("*.*"))
     assert {path.parent.name for path in copied} == {"scripts", engine.name}
     for path in copied:
         for node in ast.walk(ast.parse(path.read_text())):
@@ -78,10 +64,9 @@ def test_the_modules_run_without_this_project(tmp_path: Path, case) -> None:
 
 def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) -> None:
     assembly, loads = tilted_stack(2)
-    faces = (
-        replace(assembly.faces[0], material=replace(assembly.faces[0].material, friction=0.1)),
-    )
-    assembly = replace(assembly, faces=faces + assembly.faces[1:])
+    first, second = assembly.faces
+    smooth = replace(first, material=replace(first.material, friction=0.1))
+    assembly = replace(assembly, faces=(smooth, second))
     write_script(engine, assembly, loads, Numerics(), "stack", tmp_path)
     tree = ast.parse((tmp_path / engine.script).read_text())
     call = next(
@@ -103,11 +88,9 @@ def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) ->
 def problems_of(engine: Engine) -> Iterator[Problem]:
     """A joint and, for an engine that can do it, a structure of blocks."""
     joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
-    yield posed(joint, Loading(Direction(0.5)), 0.03, NodeLayout.CENTRES)
+    yield loaded(joint, 0.5)
     if not engine.elastic:
-        ground = box("ground", (-0.3, -0.3, -0.2), (0.3, 0.3, 0.0), 2e3, fixed=True)
-        block = box("block", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.2), 2e3)
-        blocks = structure([ground, block], dry(0.5))
+        blocks = on_ground(0.5)
         yield Problem(blocks, acceleration(blocks, (1.0, 0.0, 0.0)))
 
 
@@ -131,9 +114,7 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
 
 
 @pytest.mark.parametrize("name", [name for name in ENGINES if "guided" in ENGINES[name].reads])
-def test_the_static_model_guides_the_search(
-    name: str, case: tuple[Assembly, Loads], tmp_path: Path
-) -> None:
+def test_the_static_model_guides_the_search(name: str, case: Problem, tmp_path: Path) -> None:
     guide = guide_of(*case)
     assert guide is not None
     texts = [

@@ -23,7 +23,6 @@ from workflow.schema import Study
 
 pytestmark = pytest.mark.study
 
-ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
 
 
@@ -66,15 +65,24 @@ def test_what_is_missing_or_infinite_is_plain() -> None:
 # --- in a browser --------------------------------------------------------------------------------
 
 
+def shown(browser: Any, address: str) -> Opened:
+    found = Opened(browser.new_page(viewport={"width": 1200, "height": 800}))
+    found.page.goto(address)
+    until(found.page, "document.querySelectorAll('.js-plotly-plot').length >= 6")
+    return found
+
+
 @pytest.fixture(scope="module")
 def opened(browser: Any, report: Path) -> Iterator[Opened]:
     """The page, once: each part of it is changed by one test alone."""
-    page = browser.new_page(viewport={"width": 1200, "height": 800})
-    found = Opened(page)
-    page.goto(report.as_uri())
-    until(page, "document.querySelectorAll('.js-plotly-plot').length >= 6")
+    found = shown(browser, report.as_uri())
     yield found
-    page.close()
+    found.page.close()
+
+
+def names(opened: Opened, plot: str) -> list[str]:
+    """Of what a plot shows."""
+    return [trace["name"] for trace in opened.traces(plot)]
 
 
 @needs_browser
@@ -90,12 +98,8 @@ def test_it_opens_with_the_answer_and_without_an_error_or_a_request(opened: Open
     box = page.locator(".rules tr", has_text="(n \N{MINUS SIGN} 1)/2").bounding_box()
     assert box is not None
     assert box["y"] + box["height"] < 800
-    names = [trace["name"] for trace in opened.traces("answer-plot")]
-    assert names == [
-        "mesh error of static model",
-        "(n \N{MINUS SIGN} 1)/2, Option 4",
-        "static model",
-    ]
+    half = "(n \N{MINUS SIGN} 1)/2, Option 4"
+    assert names(opened, "answer-plot") == ["mesh error of static model", half, "static model"]
     # Nor is one possible, whatever a later version of the plotting library tries.
     sent = "fetch('http://127.0.0.1:9/').then(() => 'sent', (error) => error.message)"
     assert page.evaluate(sent) == "Failed to fetch"
@@ -105,21 +109,18 @@ def test_it_opens_with_the_answer_and_without_an_error_or_a_request(opened: Open
 @needs_browser
 def test_controls_change_what_is_shown(opened: Opened) -> None:
     page = opened.page
-    before = opened.traces("curve-plot")
-    assert [trace["name"] for trace in before] == [
-        "static model",
-        "limit analysis",
-        "SiDMACIB Option 4",
-    ]
+    whole = ["static model", "limit analysis", "SiDMACIB Option 4"]
+    assert names(opened, "curve-plot") == whole
+    before = opened.traces("curve-plot")[0]["x"]
     page.select_option("#sample", "n3")
-    assert 1.5 * max(opened.traces("curve-plot")[0]["x"]) < max(before[0]["x"])
+    assert 1.5 * max(opened.traces("curve-plot")[0]["x"]) < max(before)
     page.select_option("#sample", "n5")
     page.select_option("#curve-reduction", "none")
     assert max(opened.traces("curve-plot")[-1]["x"]) == pytest.approx(1200, rel=1e-3)
     page.uncheck("#curve-models input[value=limit]")
-    assert "limit analysis" not in [trace["name"] for trace in opened.traces("curve-plot")]
+    assert "limit analysis" not in names(opened, "curve-plot")
     page.check("#curve-options input[value=option1]")
-    assert "SiDMACIB Option 1" in [trace["name"] for trace in opened.traces("curve-plot")]
+    assert "SiDMACIB Option 1" in names(opened, "curve-plot")
     assert "n5" in (page.text_content("#curve-text") or "")
 
 
@@ -174,13 +175,13 @@ def test_tables_sort_filter_and_download(opened: Opened, tmp_path: Path) -> None
     place.click()
     column = page.locator("#table th").all_text_contents().index("weight ▲") + 1
 
-    def shown() -> list[float]:
+    def values() -> list[float]:
         cells = page.locator(f"#table tbody td:nth-child({column})").all_text_contents()
         return [float(cell) for cell in cells]
 
-    assert shown() == sorted(shown())
+    assert values() == sorted(values())
     page.locator("#table th button", has_text="weight ▲").click()
-    assert shown() == sorted(shown(), reverse=True)
+    assert values() == sorted(values(), reverse=True)
     page.fill("#table-filter", "n5")
     with page.expect_download() as waiting:
         page.click("#table-csv")
@@ -200,9 +201,7 @@ def test_everyone_can_read_it(opened: Opened) -> None:
 
 
 @needs_browser
-def test_one_joint_is_chosen_for_the_whole_page_and_the_address_opens_it_again(
-    browser: Any, report: Path, opened: Opened
-) -> None:
+def test_the_address_opens_what_was_chosen(browser: Any, report: Path, opened: Opened) -> None:
     page = opened.page
     assert page.locator("select option[value=n5]").count() == 1
     page.select_option("#sample", "n5")
@@ -211,10 +210,8 @@ def test_one_joint_is_chosen_for_the_whole_page_and_the_address_opens_it_again(
     assert "n5" in (page.text_content("#curve-text") or "")
     assert "n5: 5 locks" in (page.text_content("#answer-size") or "")
     assert len(page.evaluate("chosenPath().faces")) == 5
-    again = browser.new_page(viewport={"width": 1200, "height": 800})
-    found = Opened(again)
-    again.goto(f"{page.url.replace('#', '#weights&')}")
-    until(again, "document.querySelectorAll('.js-plotly-plot').length >= 6")
+    found = shown(browser, page.url.replace("#", "#weights&"))
+    again = found.page
     assert again.input_value("#sample") == "n5"
     assert again.input_value("#table-name") == "weights"
     assert not again.is_checked("#curve-models input[value=limit]")
@@ -234,13 +231,9 @@ def test_a_link_to_a_section_keeps_what_is_chosen(opened: Opened) -> None:
 
 
 @needs_browser
-def test_an_address_that_names_what_is_not_there_opens_the_page_as_it_is(
-    browser: Any, report: Path
-) -> None:
-    page = browser.new_page()
-    found = Opened(page)
-    page.goto(f"{report.as_uri()}#nowhere&sample=q&table-name=q&curve-models-q=true&q=1")
-    until(page, "document.querySelectorAll('.js-plotly-plot').length >= 6")
-    assert page.input_value("#sample") in ("n3", "n5")
+def test_an_address_of_what_is_not_there_opens_the_page(browser: Any, report: Path) -> None:
+    wrong = "#nowhere&sample=q&table-name=q&curve-models-q=true&q=1"
+    found = shown(browser, f"{report.as_uri()}{wrong}")
+    assert found.page.input_value("#sample") in ("n3", "n5")
     assert found.errors == []
-    page.close()
+    found.page.close()

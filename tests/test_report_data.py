@@ -22,24 +22,16 @@ from workflow.configuration import read_study
 from workflow.results.tables import TABLES
 
 
-@pytest.mark.parametrize(
-    ("column", "title", "times"),
-    [
-        ("load_N", "load (N)", 1),
-        ("shear_N", "V (N)", 1),
-        ("torque_Nm", "M (N m)", 1),
-        ("eccentricity_over_a", "e / a", 1),
-        ("mesh_m", "mesh (m)", 1),
-        ("load_over_T0", "load / T0", 1),
-        ("mesh_error", "mesh error (%)", 100),
-        ("peak_spread", "peak spread (%)", 100),
-        ("error", "error", 1),
-    ],
-)
-def test_headings_have_units_and_no_underscores(column: str, title: str, times: int) -> None:
-    held = "a reason" if column == "error" else 0.5
-    (found,) = headings({"capacity": pd.DataFrame({column: [held]})})["capacity"]
-    assert (found["title"], found["times"]) == (title, times)
+def test_headings_have_units_and_no_underscores() -> None:
+    known = {
+        **{"load_N": ("load (N)", 1), "shear_N": ("V (N)", 1), "torque_Nm": ("M (N m)", 1)},
+        **{"eccentricity_over_a": ("e / a", 1), "mesh_m": ("mesh (m)", 1)},
+        **{"load_over_T0": ("load / T0", 1), "mesh_error": ("mesh error (%)", 100)},
+        **{"peak_spread": ("peak spread (%)", 100), "error": ("error", 1)},
+    }
+    held = dict.fromkeys(known, 0.5) | {"error": "a reason"}
+    found = headings({"capacity": pd.DataFrame([held])})["capacity"]
+    assert [(each["title"], each["times"]) for each in found] == [*known.values()]
 
 
 def test_every_column_has_a_heading_that_can_be_read_and_a_meaning() -> None:
@@ -81,13 +73,13 @@ def test_the_scripts_of_the_report_declare_no_name_twice() -> None:
         assert [name for name, count in Counter(names).items() if count > 1] == []
 
 
-def case_of() -> JointCase:
-    case, *_ = shown_cases(cases_of(read_study(SMALL | {"eccentricities": [0.3]})).values())
-    return case
+@pytest.fixture(scope="module")
+def case() -> JointCase:
+    found, *_ = shown_cases(cases_of(read_study(SMALL | {"eccentricities": [0.3]})).values())
+    return found
 
 
-def test_nodes_lie_on_the_inner_face_of_their_lock() -> None:
-    case = case_of()
+def test_nodes_lie_on_the_inner_face_of_their_lock(case: JointCase) -> None:
     joint, found = case.subject.joint, path_of(case)
     assert [face["lock"] for face in found["faces"]] == [1, 2, 3]
     for face in found["faces"]:
@@ -99,11 +91,9 @@ def test_nodes_lie_on_the_inner_face_of_their_lock() -> None:
         assert len(set(zip(face["x"], face["y"], strict=True))) == len(face["x"])
 
 
-def test_stresses_stand_at_their_nodes() -> None:
+def test_stresses_stand_at_their_nodes(case: JointCase) -> None:
     """They give the shear and, with the places of the nodes, the torque that a lock carries."""
-    case = case_of()
-    found = path_of(case)
-    problem = case.subject.problem()
+    found, problem = path_of(case), case.subject.problem()
     peak, nodes = static_peak(*problem).peak, problem.assembly.nodes
     shear = np.hypot(peak.force[:, 1], peak.force[:, 2])
     stress = shear / nodes.area / case.subject.joint.inner.cohesion
@@ -114,10 +104,8 @@ def test_stresses_stand_at_their_nodes() -> None:
             assert np.abs(stress[near] - value).min() <= 6e-3 * max(value, 1e-6)
 
 
-def test_loads_are_those_of_the_static_model() -> None:
-    case = case_of()
-    found = path_of(case)
-    solution = static_peak(*case.subject.problem())
+def test_loads_are_those_of_the_static_model(case: JointCase) -> None:
+    found, solution = path_of(case), static_peak(*case.subject.problem())
     assert found["first"] == pytest.approx(solution.first_failure_load, rel=1e-5)
     assert found["steps"][-1]["load"] == pytest.approx(solution.peak.load, rel=1e-5)
     peak = [solution.peak.displacement, solution.peak.load]

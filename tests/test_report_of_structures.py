@@ -25,9 +25,9 @@ from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 
 pytestmark = pytest.mark.study
 
-NARROW, WIDE = {"width": 390, "height": 800}, {"width": 1200, "height": 900}
+WIDE = {"width": 1200, "height": 900}
 PLOTS = "document.querySelectorAll('#structures .js-plotly-plot .gl-container').length === 1"
-OF_FREE, OF_FIRST, OF_LINES, OF_DOTS, OF_HINGES = 1, 5, 6, 7, 8  # traces
+OF_FREE, OF_FIRST = 1, 5  # traces
 
 
 @pytest.fixture(scope="module")

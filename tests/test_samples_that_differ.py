@@ -62,7 +62,7 @@ def test_each_sample_is_fitted_to_models_that_run_on_it(tables: dict[str, pd.Dat
     assert leading_models(tables["fit"]) == {"n3": "yade", "n3_fits": "static"}
 
 
-def test_sidmacib_is_not_fitted_to_a_model_that_runs_a_part_of_a_sample(
+def test_sidmacib_is_fitted_to_no_part_of_a_sample(
     study: Study, results: list[JointRecord]
 ) -> None:
     part = {"yade": PartSection(eccentricities=(0.0,))}

@@ -100,9 +100,7 @@ def test_every_joint_has_a_row_for_each_direction(points: pd.DataFrame) -> None:
     assert (pure["closed_form"] <= pure["pairs"] * (1 + 1e-9)).all()
 
 
-def test_the_law_is_near_the_static_model_and_the_safe_rule_below_its_peak(
-    points: pd.DataFrame,
-) -> None:
+def test_the_law_is_near_the_static_model_and_safe_below_its_peak(points: pd.DataFrame) -> None:
     table = law_table(points).set_index(["quantity", "held"])
     whole = table[table["eccentricity_over_a"] == "all"]
     law = whole.loc[("law / first failure", "all")]

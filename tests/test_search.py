@@ -83,27 +83,18 @@ def test_increments_find_the_load_at_which_a_bond_takes_all_down(
     assert peak.first_failure_load == peak.load
 
 
-@given(LOAD, st.floats(1.01, 3.0))
-def test_increments_find_the_first_failure_and_the_peak_after_it(
-    first: float, ratio: float
-) -> None:
-    peak = peak_by_increments(Breaking([first, ratio * first], 2), search())
-    assert peak.load <= ratio * first <= peak.failed_load
-    assert peak.first_failure_load == pytest.approx(first, rel=1.1e-3, abs=1.1e-3 * FIRST)
-    assert peak.mode == BONDS
+GUIDES = st.one_of(st.none(), st.builds(Guide, LOAD, LOAD))
 
 
-GUIDED = st.builds(Guide, LOAD, LOAD)
-
-
-@given(LOAD, st.floats(1.01, 3.0), GUIDED)
-def test_what_increments_find_does_not_depend_on_the_guide(
-    first: float, ratio: float, guide: Guide
+@given(LOAD, st.floats(1.01, 3.0), GUIDES)
+def test_increments_find_first_failure_and_peak_whatever_guides_them(
+    first: float, ratio: float, guide: Guide | None
 ) -> None:
     peak = peak_by_increments(Breaking([first, ratio * first], 2), search(guide=guide))
     most = peak.load * (1 + 1e-3) * (1 + 1e-12)  # rounding
     assert peak.load <= ratio * first <= peak.failed_load <= most
     assert peak.first_failure_load == pytest.approx(first, rel=1.1e-3, abs=1.1e-3 * FIRST)
+    assert peak.mode == BONDS
 
 
 def test_a_guide_whose_first_node_fails_at_no_load_does_not_say_where_the_peak_is() -> None:
@@ -136,23 +127,19 @@ def test_ductile_faces_fail_as_a_mechanism() -> None:
     assert (peak.mode, peak.first_failure_load) == (MECHANISM, None)
 
 
-def test_what_neither_breaks_nor_moves_off_is_no_failure() -> None:
-    with pytest.raises(SystemExit, match=r"no peak: at 43\.\d+ N no bond breaks"):
-        peak_by_increments(Breaking([69.4], 1, drifts_at=43.5), search())
-
-
-def test_what_drifts_off_where_the_load_does_no_work_is_no_failure() -> None:
-    with pytest.raises(SystemExit, match=r"no peak: at 43\.\d+ N .* the load does no work"):
-        peak_by_increments(Breaking([69.4], 1, unloaded_at=43.5), search())
-
-
-def test_what_does_not_stand_alone_or_carries_nothing_or_anything_has_no_peak() -> None:
-    with pytest.raises(SystemExit, match="does not stand under its permanent loads"):
-        peak_by_increments(Breaking([-1.0], 1), search())
-    with pytest.raises(SystemExit, match="carries no load in this direction"):
-        peak_by_increments(Breaking([0.0], 1), search())
-    with pytest.raises(SystemExit, match="grows without a peak"):
-        peak_by_increments(Breaking([], 1), search())
+@pytest.mark.parametrize(
+    ("model", "words"),
+    [
+        (Breaking([69.4], 1, drifts_at=43.5), r"no peak: at 43\.\d+ N no bond breaks"),
+        (Breaking([69.4], 1, unloaded_at=43.5), r"no peak: at 43\.\d+ N .* the load does no work"),
+        (Breaking([-1.0], 1), "does not stand under its permanent loads"),
+        (Breaking([0.0], 1), "carries no load in this direction"),
+        (Breaking([], 1), "grows without a peak"),
+    ],
+)
+def test_what_has_no_peak_says_why(model: Breaking, words: str) -> None:
+    with pytest.raises(SystemExit, match=words):
+        peak_by_increments(model, search())
 
 
 # --- from failure to failure ---------------------------------------------------------------------
@@ -194,27 +181,19 @@ class Cut:
         return []
 
 
-@given(st.lists(st.floats(1.0, 1e4), min_size=1, max_size=6))
-def test_failures_find_the_peak_of_bonds_in_parallel(strengths: list[float]) -> None:
+@given(st.lists(st.floats(1.0, 1e4), min_size=1, max_size=6), GUIDES)
+def test_failures_find_the_peak_of_bonds_in_parallel_whatever_guides_them(
+    strengths: list[float], guide: Guide | None
+) -> None:
     # With k bonds left, of which the weakest is s, the load is at most k s.
     ordered = sorted(strengths)
     left = range(len(ordered), 0, -1)
     expected = max(k * s for k, s in zip(left, ordered, strict=True))
-    peak = peak_by_failures(Cut(strengths), search())
+    peak = peak_by_failures(Cut(strengths), search(guide=guide))
     assert peak.load == pytest.approx(expected, rel=2e-3)
     assert peak.load < peak.failed_load <= peak.load * 1.0011
     assert peak.first_failure_load == pytest.approx(len(ordered) * ordered[0], rel=1.1e-3)
     assert peak.mode == BONDS
-
-
-@given(st.lists(st.floats(1.0, 1e4), min_size=1, max_size=6), GUIDED)
-def test_what_failures_find_does_not_depend_on_the_guide(
-    strengths: list[float], guide: Guide
-) -> None:
-    plain = peak_by_failures(Cut(strengths), search())
-    guided = peak_by_failures(Cut(strengths), search(guide=guide))
-    assert guided.load == pytest.approx(plain.load, rel=2e-3)
-    assert guided.first_failure_load == pytest.approx(plain.first_failure_load, rel=2e-3)
 
 
 def test_bonds_at_their_strength_fail_together_and_no_others() -> None:

@@ -31,12 +31,6 @@ def test_what_scrolls_can_be_reached_by_the_keyboard() -> None:
     assert once == '<aside aria-label="Pages" class="sidebar-drawer">' == accessible(once)
 
 
-def test_an_equation_becomes_mathml() -> None:
-    element = "".join(tex2mathml(r"\frac{V}{T_0}", as_block=True).split())
-    assert element.startswith("<math") and 'display="block"' in element
-    assert "<mfrac>" in element and "<msub><mi>T</mi><mn>0</mn></msub>" in element
-
-
 @pytest.mark.study
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_an_example_prints_what_it_promises_and_draws_its_picture(

@@ -38,9 +38,7 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
 
 
 @pytest.mark.parametrize("failure", [Failure.SOFTENING, Failure.DUCTILE])
-def test_bonds_with_next_to_no_tensile_strength_carry_as_much_as_those_with_none(
-    failure: Failure,
-) -> None:
+def test_next_to_no_tensile_strength_carries_as_much_as_none(failure: Failure) -> None:
     """The first failure is then at next to no load, or before the load is raised."""
     none, little = (
         static_peak(*loaded(Joint(3, failure=failure, inner=inner), math.inf, 0.025))
@@ -110,18 +108,14 @@ def test_what_is_left_never_grows() -> None:
 
 # --- between the ends ----------------------------------------------------------------------------
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
-def test_no_more_energy_than_is_stored_is_brittle(eccentricity: float) -> None:
+def test_without_energy_it_is_brittle_and_with_all_residual_ductile(eccentricity: float) -> None:
+    """Without energy: no more than is stored."""
     brittle = peak(Joint(3), eccentricity)
     found = peak(softening(3, 0.99 * STORED), eccentricity)
     assert found.first_failure_load == pytest.approx(brittle.first_failure_load, rel=1e-9)
     assert found.peak.load == pytest.approx(brittle.peak.load, rel=1e-3)
-
-
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
-def test_a_residual_part_of_one_is_ductile(eccentricity: float) -> None:
     ductile = peak(Joint(3, failure=Failure.DUCTILE), eccentricity)
-    found = peak(softening(3, 0.0, residual=1.0), eccentricity)
-    assert found.peak.load == ductile.peak.load
+    assert peak(softening(3, 0.0, residual=1.0), eccentricity).peak.load == ductile.peak.load
 
 
 @pytest.mark.parametrize(("eccentricity", "locks"), [(0.0, 5), (0.5, 3)])

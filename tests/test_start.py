@@ -99,9 +99,7 @@ def made(
 @pytest.mark.parametrize(
     "fails", ["exit 1", "kill -TERM $PPID; exit 1", 'case "$*" in *-ed*) exit 1; esac']
 )
-def test_an_environment_that_cannot_be_made_leaves_the_one_that_is_there(
-    tmp_path: Path, fails: str
-) -> None:
+def test_an_environment_that_cannot_be_made_leaves_the_old_one(tmp_path: Path, fails: str) -> None:
     (tmp_path / ".venv").mkdir()
     (tmp_path / ".venv/mine").write_text("mine")
     found = made(tmp_path, fails)
@@ -122,9 +120,7 @@ def test_a_new_environment_takes_the_place_of_the_old_one(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(("status", "pip_too"), [(0, False), (1, True)])
-def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
-    tmp_path: Path, status: int, pip_too: bool
-) -> None:
+def test_uv_installs_and_pip_where_it_cannot(tmp_path: Path, status: int, pip_too: bool) -> None:
     assert made(tmp_path, "", uv=UV.format(status=status)).returncode == 0
     calls = (tmp_path / "calls").read_text().splitlines()
     (by_uv,) = (line for line in calls if line.startswith("uv "))
@@ -142,28 +138,18 @@ def test_a_python_that_is_not_there_is_named() -> None:
 FULL = Path("/dev/full")
 
 
-def command(*words: str, **streams: int) -> subprocess.CompletedProcess[str]:
-    """The command in a process of its own."""
-    whole = [sys.executable, "-c", PROGRAM, *words]
-    streams["stderr"] = subprocess.PIPE
-    return subprocess.run(whole, check=False, text=True, cwd=ROOT, **streams)
-
-
 @pytest.mark.parametrize("form", ["table", "csv"])
 def test_output_that_finds_no_room_ends_with_one_line(form: str) -> None:
-    with FULL.open("w") as full:
-        found = command("law", "-n", "3", "--format", form, stdout=full.fileno())
+    words = (sys.executable, "-c", PROGRAM, "law", "-n", "3", "--format", form)
+    found = ran("sh", "-c", f'"$@" > {FULL}', "sh", *words)
     assert (found.returncode, found.stderr) == (2, "Error: No space left on device\n")
 
 
 @pytest.mark.parametrize(("option", "name"), [("--picture", "drawn.svg"), ("--note", "n.html")])
-def test_a_file_that_finds_no_room_is_named_in_one_line(
-    option: str, name: str, tmp_path: Path
-) -> None:
+def test_a_file_that_finds_no_room_is_named(option: str, name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     path.symlink_to(FULL)
-    words = ("capacity", "-n", "3", "-m", "law", option, str(path))
-    found = command(*words, stdout=subprocess.DEVNULL)
+    found = python("-c", PROGRAM, "capacity", "-n", "3", "-m", "law", option, path)
     assert found.returncode == 2
     assert found.stderr.splitlines()[-1] == f"Error: {option} {path}: No space left on device"
 
@@ -192,15 +178,12 @@ def test_without_locks_a_study_goes_on_and_says_so(
     assert said.count("\n") == 1
 
 
-def test_a_lock_that_fails_otherwise_is_an_error_of_one_line(
+def test_a_lock_that_cannot_be_written_is_an_error_of_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(fcntl, "flock", refusing(errno.EIO))
-    with pytest.raises(CallError, match="cannot be written to: input/output error"):
-        workflow_command.lock(tmp_path / "results")
-
-
-def test_a_lock_that_finds_no_room_is_an_error_of_one_line(tmp_path: Path) -> None:
     (tmp_path / workflow_command.LOCK).symlink_to(FULL)
     with pytest.raises(CallError, match="cannot be written to: "):
         workflow_command.lock(tmp_path)
+    monkeypatch.setattr(fcntl, "flock", refusing(errno.EIO))
+    with pytest.raises(CallError, match="cannot be written to: input/output error"):
+        workflow_command.lock(tmp_path / "results")

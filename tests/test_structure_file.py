@@ -6,18 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
-from command_runner import answers, by_model, run
-from conftest import ROOT
+from command_runner import answers, assembly, by_model
 from structures import read_structure
 
+from sidmacib import limit_load, static_peak
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
-from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.files.sections import ShapeSection
 from sidmacib.structure.files.structure_file import structure_of
-from sidmacib.yaml_text import read_yaml
 from workflow.schema import with_changes
 
 GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
@@ -28,7 +23,16 @@ ON_GROUND: dict[str, Any] = {
     "load": {"acceleration": [1, 0, 0]},
 }
 
-LOCKS: dict[str, Any] = {"between": "all", "count": 3, "height": 0.02, "row": [0, 1, 0]}
+
+def alone(**more: Any) -> dict[str, Any]:
+    """The structure with no block but its own, with ``more`` of its keys."""
+    return {**ON_GROUND, "blocks": {"b": {**BLOCK, **more}}}
+
+
+def locked(**more: Any) -> dict[str, Any]:
+    """The structure with three locks below its block, with ``more`` of their keys."""
+    locks = {"between": "all", "count": 3, "height": 0.02, "row": [0, 1, 0], **more}
+    return {**ON_GROUND, "locks": [locks]}
 
 
 @pytest.fixture
@@ -55,9 +59,7 @@ def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> No
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.6])
-def test_limit_loads_of_twisted_bonds_have_mesh_errors_that_cover_a_finer_mesh(
-    path: Path, friction: float
-) -> None:
+def test_mesh_errors_of_twisted_bonds_cover_a_finer_mesh(path: Path, friction: float) -> None:
     bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": friction}
     twist = {"force": {"block": "block", "at": [0.4, 0.0, 0.0], "direction": [0, 1, 0]}}
     found = {}
@@ -99,9 +101,8 @@ def test_what_stands_only_under_its_load_has_no_limit(path: Path) -> None:
         "interfaces": {"friction": 0.3},
         "load": {"acceleration": [1, 0, 0]},
     }
-    path.write_text(json.dumps(held_up))
-    assert limit_load(*read_structure(path), friction=True).load > 0.0
-    found = run("assembly", str(path), "--format", "json")
+    assert limit_load(*structure_of(held_up), friction=True).load > 0.0
+    found = assembly(path, held_up, "--format", "json")
     assert found.exit_code == 1  # for scripts
     rows = json.loads(found.stdout)
     assert {row["load (N)"] for row in rows} == {None}
@@ -109,22 +110,12 @@ def test_what_stands_only_under_its_load_has_no_limit(path: Path) -> None:
 
 
 def test_the_interfaces_carry_the_weight_and_slip_where_the_block_slides(path: Path) -> None:
-    path.write_text(json.dumps(ON_GROUND))
-    (row,) = answers("assembly", str(path), "--interfaces")
+    (row,) = json.loads(assembly(path, ON_GROUND, "--interfaces", "--format", "json").stdout)
     assert row["interface"] == "ground-block"
     assert row["compression (N)"] == pytest.approx(480.0 * GRAVITY, rel=1e-6)
     assert row["shear (N)"] == pytest.approx(0.2 * 480.0 * GRAVITY, rel=1e-3)
     assert row["utilisation"] == pytest.approx(1.0, abs=1e-6)
     assert row["bonded"] == 0
-
-
-def test_forces_on_a_block_of_the_example_balance_its_weight() -> None:
-    problem = read_structure(ROOT / "studies/structures/trilith.yaml")
-    peak = static_peak(*problem).peak
-    left, lintel = problem.assembly.pieces[1], problem.assembly.pieces[3]
-    found = {f.name: f.normal for f in interface_forces(problem.assembly, peak.force, peak.state)}
-    assert found["left-lintel"] + found["right-lintel"] == pytest.approx(lintel.weight, rel=1e-6)
-    assert found["ground-left"] - found["left-lintel"] == pytest.approx(left.weight, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -154,12 +145,10 @@ def test_a_force_at_a_point_of_a_block() -> None:
     assert loads.variable[1] == pytest.approx([1, 0, 0, 0, 0.5, 0])
 
 
-def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alone(
-    path: Path,
-) -> None:
-    pieces = [p.name for p in structure_of({**ON_GROUND, "locks": [LOCKS]}).assembly.pieces]
+def test_locks_are_pieces_and_condensed_ones_refused_by_the_static_model(path: Path) -> None:
+    pieces = [piece.name for piece in structure_of(locked()).assembly.pieces]
     assert pieces == ["ground", "block", *(f"ground-block-lock{k}" for k in (1, 2, 3))]
-    rows = by_model(path, {**ON_GROUND, "locks": [LOCKS | {"condensed": {"working": 1}}]})
+    rows = by_model(path, locked(condensed={"working": 1}))
     assert rows["limit"]["load (N)"] > 0
     assert "has condensed locks, which have no stiffness" in rows["static"]["note"]
 
@@ -169,43 +158,32 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
     [
         ({"blocks": {}}, "blocks: an empty mapping is not allowed"),
         ({"blocks": {"b": {"low": [0, 0, 0]}}}, "blocks.b: must have either vertices and faces"),
-        (
-            {"blocks": {"b": {**BLOCK, "denisty": 1}}},
-            "blocks.b.denisty: unknown key; did you mean density?",
-        ),
-        (
-            {"blocks": {"b": {**BLOCK, "low": [0, 0]}}},
-            "blocks.b.low: .* a list of three",
-        ),
-        ({"blocks": {"b": {**BLOCK, "fixed": 1}}}, "blocks.b.fixed: 1 is not allowed"),
-        ({"blocks": {"b": {**GROUND}}}, "blocks: at least one must be free to move"),
+        (alone(denisty=1), "blocks.b.denisty: unknown key; did you mean density?"),
+        (alone(low=[0, 0]), "blocks.b.low: .* a list of three"),
+        (alone(low=[0, 0, math.inf]), r"low\.3: inf is not .* be from -1e\+09 to 1e\+09"),
+        (alone(density=1e300), r"blocks\.b\.density: .* not allowed; it must be from 0.001 to"),
+        (alone(fixed=1), "blocks.b.fixed: 1 is not allowed"),
+        (alone(fixed=True), "blocks: at least one must be free to move"),
         ({"interfaces": {"friction": -1}}, "interfaces.friction: -1 is not allowed"),
         ({"special": [{"between": ["block"]}]}, r"special\.1\.between: .* must be a list of two"),
         ({"locks": [{"between": "all", "count": 3}]}, r"locks\.1\.height: missing"),
-        ({"locks": [LOCKS | {"count": 0}]}, r"locks\.1\.count: 0 is not allowed"),
-        (
-            {"locks": [LOCKS | {"run": [1, 0, 0]}]},
-            r"locks\.1\.row: must be given, or else run, and not both",
-        ),
-        ({"locks": [LOCKS | {"row": [0, 0, 1]}]}, "ground: row: .* not across the interface"),
-        ({"locks": [LOCKS | {"condensed": {"option": "x"}}]}, "condensed.option: 'x' is not"),
-        (
-            {"locks": [LOCKS | {"condensed": {"rule": "best"}}]},
-            "condensed.rule: 'best' .* law, safe",
-        ),
-        (
-            {"locks": [LOCKS | {"condensed": {"working": 1, "hold_down": "plate"}}]},
-            r"condensed.hold_down: is for a rule; must not be given beside working",
-        ),
-        (
-            {"locks": [LOCKS | {"condensed": {"rule": "law", "hold_down": "glue"}}]},
-            r"condensed.hold_down: 'glue' is not allowed",
-        ),
-        (
-            {"locks": [LOCKS | {"condensed": {"rule": "law", "working": 2}}]},
-            "condensed.working: must not be given beside rule",
-        ),
-        ({"locks": [LOCKS | {"condensed": {"working": 4}}]}, r"working: 4.* at most 3"),
+        (locked(count=0), r"locks\.1\.count: 0 is not allowed"),
+        (locked(run=[1, 0, 0]), r"locks\.1\.row: must be given, or else run, and not both"),
+        (locked(row=[0, 0, 1]), "ground: row: .* a direction not across the interface"),
+        (locked(height=2), "height of locks: 2.0 is not allowed; it must be less than"),
+        (locked(first="roof"), "first: 'roof' is not allowed; it must be one of the two blocks"),
+        (locked(widths=[0.1] * 3), "widths: .* add up to 0.6 m"),
+        (locked(widths=[0.3] * 2), "widths: .* one for each of the 3 locks"),
+        (locked(widths=[0.1, 0.2, 0.3], condensed={}), "widths: .* equal with condensed.rule"),
+        (locked(height=0.5, condensed={}), "rule: safe has no answer: h / b: 2.5 is not allowed"),
+        (locked(condensed={"option": "x"}), "condensed.option: 'x' is not"),
+        (locked(condensed={"rule": "best"}), "condensed.rule: 'best' .* law, safe"),
+        (locked(condensed={"working": 1, "hold_down": "plate"}), "hold_down: is for a rule; must"),
+        (locked(condensed={"rule": "law", "hold_down": "glue"}), "hold_down: 'glue' is not"),
+        (locked(condensed={"rule": "law", "working": 2}), "working: must not be given beside rule"),
+        (locked(condensed={"working": 4}), r"working: 4.* at most 3"),
+        (locked(condensed={"working": "most"}), "condensed.working: 'most' is not .* or all"),
+        (locked() | {"special": [{"between": "all"}]}, "it must be two blocks without locks"),
         ({"load": {}}, "load: must have one key, acceleration, force, tilt or support"),
         ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),
         ({"load": {"tilt": {"axis": [0, 0, 0]}}}, r"load.tilt.axis: .* not all 0"),
@@ -214,29 +192,18 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
             {"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}},
             "load.force.block: 'x'",
         ),
-        (
-            {"blocks": {"b": {**BLOCK, "density": 1e300}}},
-            r"blocks\.b\.density: .* is not allowed; it must be from 0.001 to",
-        ),
-        (
-            {"blocks": {"b": {**BLOCK, "low": [0, 0, math.inf]}}},
-            r"low\.3: inf is not allowed; it must be from -1e\+09 to 1e\+09",
-        ),
         ({"nodes": "corners"}, "nodes: 'corners' is not allowed; it must be centres, vertices or"),
         ({"mesh": 0}, "mesh: 0 is not allowed; it must be greater than 0"),
         ({"loads": 1}, "loads: unknown key; did you mean load\\? allowed keys: blocks, load"),
     ],
 )
-def test_a_fault_is_reported_in_one_line_with_its_key(
-    path: Path, change: dict[str, Any], words: str
-) -> None:
-    path.write_text(yaml.safe_dump({**ON_GROUND, **change}))
-    with pytest.raises(ValueError, match=words):
-        read_structure(path)
-    found = run("assembly", str(path))
+def test_a_fault_is_one_line_with_its_key(path: Path, change: dict[str, Any], words: str) -> None:
+    found = assembly(path, {**ON_GROUND, **change})
     assert found.exit_code == 2
     assert found.output.startswith("Error: ")
     assert found.output.count("\n") == 1
+    with pytest.raises(ValueError, match=words):
+        read_structure(path)
 
 
 @pytest.mark.parametrize(
@@ -246,17 +213,13 @@ def test_a_fault_is_reported_in_one_line_with_its_key(
         ({"blocks": {"block": {"density": 2.4}}}, "block: density: 2.4 kg/m3 is very small"),
     ],
 )
-def test_numbers_that_look_like_another_unit_are_noted(
-    path: Path, changes: dict[str, Any], note: str
-) -> None:
-    path.write_text(yaml.safe_dump(with_changes(ON_GROUND, changes)))
-    assert note in run("assembly", str(path)).stderr
+def test_numbers_of_another_unit_are_noted(path: Path, changes: dict[str, Any], note: str) -> None:
+    assert note in assembly(path, with_changes(ON_GROUND, changes)).stderr
 
 
 def test_blocks_in_millimetres_say_so(path: Path) -> None:
-    mm = [240.0, 115.0, 71.0]
-    path.write_text(yaml.safe_dump(with_changes(ON_GROUND, {"blocks": {"block": {"high": mm}}})))
-    ended = run("assembly", str(path))
+    mm = {"blocks": {"block": {"high": [240.0, 115.0, 71.0]}}}
+    ended = assembly(path, with_changes(ON_GROUND, mm))
     words = "blocks.block: it would be 275.4 m across; say unit: mm, or m, cm, in, ft"
     assert (ended.exit_code, ended.output) == (2, f"Error: {words}\n")
     told = {"high": [240, "11.5cm", "71"], "unit": "mm"}
@@ -264,19 +227,10 @@ def test_blocks_in_millimetres_say_so(path: Path) -> None:
     assert block.volume == pytest.approx(0.24 * 0.115 * 0.071)
 
 
-def test_a_material_for_a_pair_with_locks_is_refused() -> None:
-    keyed = read_yaml(ROOT / "studies/structures/keyed.yaml")
-    (locks,) = keyed["locks"]
-    keyed["special"] = [{"between": locks["between"], "cohesion": 1.0}]
-    with pytest.raises(ValueError, match="it must be two blocks without locks"):
-        structure_of(keyed)
-
-
 def test_interfaces_are_told_at_the_load_that_counts(path: Path) -> None:
     given = {**ON_GROUND, "interfaces": {"cohesion": 2e4, "tensile_strength": 1e4}}
-    path.write_text(yaml.safe_dump(given))
+    static = by_model(path, given)["static"]
     (shown,) = answers("assembly", str(path), "--interfaces")
-    static = answers("assembly", str(path))[-1]
     assert static["first failure (N)"] == static["load (N)"] < static["peak (N)"]
     assert shown["shear (N)"] == pytest.approx(static["load (N)"], rel=1e-6)
     assert shown["utilisation"] == pytest.approx(1.0, abs=1e-4)

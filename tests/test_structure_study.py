@@ -9,19 +9,19 @@ import pandas as pd
 import pytest
 import yaml
 from conftest import ROOT
-from structures import solved
+from described import CUBE, PUSH
+from structures import example, solved
 
 from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import structures_table, write_supports
-from sidmacib.yaml_text import read_yaml
 from workflow.case import StructureCase
 from workflow.cases import structure_cases, support_cases
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, SUPPORTS, read_table
 from workflow.schema import with_changes
 
-TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
+TRILITH = example("trilith")
 
 
 def study_of(**keys: Any) -> dict[str, Any]:
@@ -36,16 +36,11 @@ def test_a_study_may_have_structures_and_no_joint() -> None:
     assert names == {("static", "trilith-load"), ("limit", "trilith-load")}
 
 
-def made(folder: Path, **config: Any) -> pd.DataFrame:
-    """The table of structures of a study."""
-    return structures_table(solved(folder, **config))
-
-
 def test_loads_and_variants_multiply_and_change_the_description() -> None:
     push = {"acceleration": [0, 1, 0]}
     config = study_of(
         models=["static"],
-        loads={"x": {"acceleration": [1, 0, 0]}, "y": push},
+        loads={"x": PUSH, "y": push},
         variants={"smooth": {"interfaces": {"friction": 0.1}, "special": None}},
     )
     cases = {case.name: case for case in structure_cases(read_study(config))}
@@ -90,10 +85,9 @@ def test_the_studies_of_structures_can_be_read(folder: str) -> None:
     assert {case.model for case in structure_cases(study)} >= {"static", "limit"}
 
 
-SETTLING = read_yaml(ROOT / "studies/structures/settling.yaml")
-PUSHED = {"push": {"acceleration": [1, 0, 0]}}
+SETTLING = example("settling")
 SUPPORTS_MOVE = {
-    **PUSHED,
+    "push": PUSH,
     "settles": SETTLING["load"],
     "turns": {"support": {"block": "right", "rotation": [0, 1, 0]}},
 }
@@ -105,8 +99,8 @@ def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) 
     study = read_study({**study_of(), "structures": {"beams": beams}})
     assert {case.subject.load for case in structure_cases(study)} == {"push"}
     cases = [
-        [each.structure, each.load, each.description, variant, yade]
-        for each, variant, yade in support_cases(study)
+        [each.structure, each.load, each.description, *others]
+        for each, *others in support_cases(study)
     ]
     write_supports({"cases": cases}, {}, {"supports": tmp_path / "supports.csv"})
     table = read_table(SUPPORTS, tmp_path / "supports.csv")
@@ -151,7 +145,8 @@ def test_the_table_has_each_load_beside_the_weight(table: pd.DataFrame) -> None:
 def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Path) -> None:
     loads = {"load": TRILITH["load"], "tilt": {"tilt": {"axis": [0, 1, 0]}}}
     dry = with_changes(TRILITH, {"special": None})
-    table = made(tmp_path, **study_of(description=dry, loads=loads)).set_index(["case", "model"])
+    records = solved(tmp_path, **study_of(description=dry, loads=loads))
+    table = structures_table(records).set_index(["case", "model"])
     tilts = table.loc["trilith-tilt"]
     # Dry blocks at a tilt are blocks under an acceleration of its tangent.
     push = table.loc["trilith-load"]["load_over_weight"]
@@ -164,9 +159,7 @@ def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Pa
 
 
 @pytest.mark.study
-def test_a_model_that_cannot_do_condensed_locks_says_so_in_a_whole_study(
-    structures_study: Path, table: pd.DataFrame
-) -> None:
+def test_a_study_says_what_a_model_refuses(structures_study: Path, table: pd.DataFrame) -> None:
     refused = table.loc[("keyed-load", "static"), "refused"]
     words = "base-block has condensed locks, which have no stiffness; cut them out"
     assert refused == f"static: {words}"
@@ -177,9 +170,7 @@ def test_a_model_that_cannot_do_condensed_locks_says_so_in_a_whole_study(
 
 
 @pytest.mark.study
-def test_interfaces_carry_the_weight_and_the_load(
-    structures_study: Path, table: pd.DataFrame
-) -> None:
+def test_interfaces_carry_weight_and_load(structures_study: Path, table: pd.DataFrame) -> None:
     rows = read_table(INTERFACES, structures_study / "tables/interfaces.csv")
     whole = table.loc[("trilith-load-dry", "static")]
     interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
@@ -213,16 +204,11 @@ def test_paraview_files_have_the_shape_and_the_motion(structures_study: Path) ->
 
 @pytest.mark.engine
 def test_what_never_falls_is_an_answer_of_the_static_model_and_of_engines(tmp_path: Path) -> None:
-    glued = {
-        "blocks": {
-            "ground": {"low": [-1, -1, -1], "high": [1, 1, 0], "fixed": True},
-            "block": {"low": [0, 0, 0], "high": [0.4, 0.4, 0.4]},
-        },
-        "interfaces": {"cohesion": 1e8, "tensile_strength": 1e8},
-        "load": {"tilt": {"axis": [0, 1, 0]}},
-    }
-    config = {"structures": {"glued": {"description": glued}}, "models": ["static"]}
-    table = made(tmp_path, **config, dem={"engines": ["yade"]}).set_index("model")
+    glued = {"cohesion": 1e8, "tensile_strength": 1e8}
+    tilted = {**CUBE, "interfaces": glued, "load": {"tilt": {"axis": [0, 1, 0]}}}
+    config = {"structures": {"glued": {"description": tilted}}, "models": ["static"]}
+    records = solved(tmp_path, **config, dem={"engines": ["yade"]})
+    table = structures_table(records).set_index("model")
     for model in ("static", "yade"):
         words = f"{model}: in equilibrium up to a tilt of 180 degrees"
         assert table.loc[model, "refused"] == words

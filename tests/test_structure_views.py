@@ -8,23 +8,24 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from chromium import Opened, needs_browser, until
-from command_runner import run
+from command_runner import assembly
 from conftest import ROOT
+from described import PUSH, study
 from offline import leaving_in_html
-from structures import read_structure
 from test_supports import BEAM
 
 from sidmacib.models import structure_limit
+from sidmacib.problem import Problem
 from sidmacib.scene.drawn import Drawn, shape_of, with_condensed_locks
 from sidmacib.scene.forces import arrows_of, chains, load_of, total
 from sidmacib.scene.picture import picture, view_axes
 from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import owners_of
+from workflow.schema import with_changes
 
-ARCH = ROOT / "studies/arch/arch.yaml"
+ARCH = study("arch/arch")
 MOST_BYTES = 10_000_000
 BLOCK = {
     "blocks": {
@@ -32,30 +33,29 @@ BLOCK = {
         "<cube>": {"low": [0.3, 0.3, 0], "high": [0.5, 0.5, 0.2]},
     },
     "interfaces": {"friction": 0.4},
-    "load": {"acceleration": [1, 0, 0]},
+    "load": PUSH,
 }
 SLIDES = 0.4 * 2000 * 9.81 * 0.2**3  # N
-LOCKED = yaml.safe_load((ROOT / "studies/arch/config.yaml").read_text())["structures"]["arch"][
-    "variants"
-]
+TILTED = BLOCK | {"load": {"tilt": {"axis": [0, 1, 0]}}}
+LOCKED = study("arch/config")["structures"]["arch"]["variants"]
+
+
+def drawn(problem: Problem) -> Drawn:
+    return Drawn("limit", problem, structure_limit.solve(problem))
 
 
 @pytest.fixture(scope="module")
 def arch() -> Drawn:
-    problem = read_structure(ARCH)
-    return Drawn("limit", problem, structure_limit.solve(problem))
+    return drawn(structure_of(ARCH))
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The files of a block on the ground that slides."""
     folder = tmp_path_factory.mktemp("views")
-    file = folder / "block.yaml"
-    file.write_text(yaml.safe_dump(BLOCK))
     names = {"--report": "block.html", "--picture": "block.svg", "--note": "note.html"}
-    found = run(
-        "assembly", str(file), *(each for o, n in names.items() for each in (o, str(folder / n)))
-    )
+    options = [each for option, name in names.items() for each in (option, str(folder / name))]
+    found = assembly(folder / "block.yaml", BLOCK, *options)
     assert found.exit_code == 0, found.output
     (folder / "printed.txt").write_text(found.output)
     return folder
@@ -94,32 +94,28 @@ def test_a_stack_has_a_thrust_line_and_what_branches_has_none() -> None:
 
 
 def test_there_is_no_thrust_line_where_bonds_carry_the_bending() -> None:
-    problem = structure_of(yaml.safe_load(ARCH.read_text()) | LOCKED["locks"])
-    strong = Drawn("limit", problem, structure_limit.solve(problem))
+    strong = drawn(structure_of(ARCH | LOCKED["locks"]))
     assert strong.thrust == []
     assert None in [each.near for each in strong.reactions]
 
 
 @pytest.mark.parametrize("variant", ["reference", "locks"])
-def test_what_acts_on_one_side_of_a_joint_goes_through_its_point_of_the_thrust_line(
-    variant: str,
-) -> None:
-    problem = structure_of(yaml.safe_load(ARCH.read_text()) | LOCKED.get(variant, {}))
+def test_forces_on_one_side_of_a_joint_go_through_the_thrust_line(variant: str) -> None:
+    problem = structure_of(ARCH | LOCKED.get(variant, {}))
     state = limit_state(*problem, most=500.0)
-    drawn = Drawn("limit", problem, structure_limit.outcome_of(problem, state))
-    assembly, loads = drawn.assembly, problem.loads.at(drawn.load or 0.0)[:, :3]
-    owners = owners_of(assembly)
-    (line,) = drawn.thrust
+    found = Drawn("limit", problem, structure_limit.outcome_of(problem, state))
+    pieces, loads = problem.assembly.pieces, problem.loads.at(found.load or 0.0)[:, :3]
+    owners = owners_of(problem.assembly)
+    (line,) = found.thrust
     assert len(line) == 6
     (first,) = set(line[0]["between"]) - set(line[1]["between"])
-    start = next(each for each in drawn.reactions if each.support == assembly.pieces[first].name)
+    start = next(each for each in found.reactions if each.support == pieces[first].name)
     acting = [(np.array(start.at), np.array(start.force))]
     left, scale = {first}, np.abs(loads).sum()
     for each in line:
         for number in left:
             parts = [k for k, owner in enumerate(owners) if owner == number]
-            free = [k for k in parts if not assembly.pieces[k].fixed]
-            acting += [(assembly.pieces[k].centre, loads[k]) for k in free]
+            acting += [(pieces[k].centre, loads[k]) for k in parts if not pieces[k].fixed]
         moment = sum(np.cross(place - np.array(each["point"]), force) for place, force in acting)
         assert moment[1] == pytest.approx(0.0, abs=1e-6 * scale)
         left = set(each["between"]) - {first} - left
@@ -127,7 +123,7 @@ def test_what_acts_on_one_side_of_a_joint_goes_through_its_point_of_the_thrust_l
 
 
 def test_arrows_add_up_to_the_load_with_locks_as_parts_of_their_blocks() -> None:
-    problem = structure_of(yaml.safe_load(ARCH.read_text()) | LOCKED["locks"])
+    problem = structure_of(ARCH | LOCKED["locks"])
     names = [piece.name for piece in problem.assembly.pieces]
     owners = {names[k]: names[number] for k, number in enumerate(owners_of(problem.assembly))}
     locks = [name for name in names if "-lock" in name]
@@ -143,17 +139,16 @@ def test_the_load_is_told_in_words() -> None:
     force = {"block": "<cube>", "at": [0.4, 0.4, 0.2], "direction": [0, 0, -2]}
     found = load_of(structure_of(BLOCK | {"load": {"force": force}}))
     assert found == "Load raised: a force on <cube> at (0.4, 0.4, 0.2) m, along (0, 0, -1)"
-    tilts = load_of(structure_of(BLOCK | {"load": {"tilt": {"axis": [0, 1, 0]}}}))
-    assert tilts == "Load: gravity, turned about the axis (0, 1, 0)"
+    assert load_of(structure_of(TILTED)) == "Load: gravity, turned about the axis (0, 1, 0)"
 
 
 def test_locks_that_the_model_condenses_are_drawn() -> None:
-    description = yaml.safe_load(ARCH.read_text()) | LOCKED["condensed_locks"]
-    assembly = structure_of(description).assembly
+    description = ARCH | LOCKED["condensed_locks"]
+    condensed = structure_of(description).assembly
     made = with_condensed_locks(description, ROOT)
-    assert [solid.name for solid in made] == [piece.name for piece in assembly.pieces]
-    plain, drawn = shape_of(assembly)["blocks"], shape_of(assembly, made)["blocks"]
-    assert all(len(d["points"]) > len(p["points"]) for p, d in zip(plain, drawn, strict=True))
+    assert [solid.name for solid in made] == [piece.name for piece in condensed.pieces]
+    plain, cut = shape_of(condensed)["blocks"], shape_of(condensed, made)["blocks"]
+    assert all(len(d["points"]) > len(p["points"]) for p, d in zip(plain, cut, strict=True))
     assert with_condensed_locks(BLOCK, ROOT) == []
 
 
@@ -179,9 +174,7 @@ def test_a_picture_has_hinges_thrust_line_load_and_reactions(arch: Drawn) -> Non
         ((2.0, 2.0, 2.0), (0.0, 0.0, -1.0), None),
     ],
 )
-def test_flat_structures_are_seen_from_their_front_unless_pushed_there(
-    sides: Any, pushed: Any, towards: Any
-) -> None:
+def test_flat_structures_are_seen_from_their_front(sides: Any, pushed: Any, towards: Any) -> None:
     axes = view_axes(np.array(sides), np.array(pushed))
     assert axes @ axes.T == pytest.approx(np.eye(3))
     assert np.linalg.det(axes) == pytest.approx(1.0)
@@ -192,7 +185,7 @@ def test_flat_structures_are_seen_from_their_front_unless_pushed_there(
 
 
 # --- files ---------------------------------------------------------------------------------------
-def test_the_page_has_the_printed_answer_and_needs_no_other_file(written: Path) -> None:
+def test_page_and_picture_have_the_printed_answer_and_need_no_other_file(written: Path) -> None:
     page = (written / "block.html").read_text()
     assert len(page.encode()) < MOST_BYTES
     assert leaving_in_html(page) == []
@@ -201,11 +194,8 @@ def test_the_page_has_the_printed_answer_and_needs_no_other_file(written: Path) 
         for word in row.split("  ")[0].split():
             assert word in page
     assert "<cube>" not in page.split('<script id="data"')[0]
-
-
-def test_the_picture_is_written(written: Path) -> None:
-    drawn = (written / "block.svg").read_text()
-    assert drawn.startswith("<?xml") and drawn.count("<path") > 20
+    svg = (written / "block.svg").read_text()
+    assert svg.startswith("<?xml") and svg.count("<path") > 20
 
 
 def test_the_note_has_answer_reactions_checks_and_assumptions(written: Path) -> None:
@@ -221,34 +211,25 @@ def test_the_note_has_answer_reactions_checks_and_assumptions(written: Path) -> 
 
 
 def test_the_note_of_a_tilt_has_the_mesh_errors_of_the_tilt(tmp_path: Path) -> None:
-    file, note = tmp_path / "block.yaml", tmp_path / "note.html"
-    file.write_text(yaml.safe_dump(BLOCK | {"load": {"tilt": {"axis": [0, 1, 0]}}}))
-    assert run("assembly", str(file), "--note", str(note)).exit_code == 0
+    note = tmp_path / "note.html"
+    assert assembly(tmp_path / "block.yaml", TILTED, "--note", str(note)).exit_code == 0
     assert "% of the tilt" in note.read_text() and "% of the load" not in note.read_text()
 
 
 def test_what_does_not_stand_is_drawn_and_said(tmp_path: Path) -> None:
-    file = tmp_path / "tower.yaml"
-    tower = {"low": [0.9, 0.3, 0], "high": [1.5, 0.5, 0.2]}
-    blocks = {"ground": BLOCK["blocks"]["ground"], "over": tower}  # type: ignore[index]
-    file.write_text(yaml.safe_dump(BLOCK | {"blocks": blocks}))
-    names = [str(tmp_path / name) for name in ("a.html", "a.png", "b.html")]
-    found = run(
-        "assembly", str(file), "--report", names[0], "--picture", names[1], "--note", names[2]
-    )
-    assert found.exit_code == 1
-    for name in (names[0], names[2]):
-        assert "The structure does not stand under its own weight" in Path(name).read_text()
-    assert Path(names[1]).stat().st_size > 0
+    over = {"low": [0.9, 0.3, 0], "high": [1.5, 0.5, 0.2]}
+    tower = with_changes(BLOCK, {"blocks": {"<cube>": over}})
+    page, drawing, note = (tmp_path / name for name in ("a.html", "a.png", "b.html"))
+    options = "--report", str(page), "--picture", str(drawing), "--note", str(note)
+    assert assembly(tmp_path / "tower.yaml", tower, *options).exit_code == 1
+    for file in (page, note):
+        assert "The structure does not stand under its own weight" in file.read_text()
+    assert drawing.stat().st_size > 0
 
 
-def test_a_page_without_plotly_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    file = tmp_path / "block.yaml"
-    file.write_text(yaml.safe_dump(BLOCK))
+def test_without_plotly_a_page_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
-    found = run("assembly", str(file), "--report", str(tmp_path / "x.html"))
+    found = assembly(tmp_path / "block.yaml", BLOCK, "--report", str(tmp_path / "x.html"))
     assert found.exit_code == 2
     assert found.output.splitlines()[-1] == (
         "Error: --report: needs the package plotly: pip install multilock[report]"
@@ -257,10 +238,8 @@ def test_a_page_without_plotly_says_what_to_install(
 
 @pytest.mark.parametrize("option", ["--report", "--note", "--interfaces"])
 def test_a_support_that_moves_has_no_page_and_no_interfaces(option: str, tmp_path: Path) -> None:
-    file = tmp_path / "beam.yaml"
-    file.write_text(yaml.safe_dump(BEAM))
     written = [] if option == "--interfaces" else [str(tmp_path / "x.html")]
-    found = run("assembly", str(file), option, *written)
+    found = assembly(tmp_path / "beam.yaml", BEAM, option, *written)
     assert found.exit_code == 2
     assert f"{option}: must not be given where a support moves" in found.output
 

@@ -31,7 +31,7 @@ def notch(width: float, height: float) -> list[Block]:
 
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize(("friction", "expected"), [(0.2, degrees(0.2)), (0.84, degrees(0.4))])
-def test_a_block_on_a_slope_rests_up_to_its_angle_of_sliding_or_overturning(
+def test_a_block_rests_on_a_slope_as_by_hand(
     friction: float, expected: float, finite: bool
 ) -> None:
     found = relaxed_tilt(on_ground(friction), Y, finite=finite)
@@ -69,14 +69,13 @@ def test_a_pyramid_sees_what_stands_upside_down_and_what_falls() -> None:
     assert pyramid_tilt(structure([GROUND, LEANING], dry(0.7)), Y) is None
 
 
-@pytest.mark.study
 def test_shapes_have_their_known_answers() -> None:
     published = yaml.safe_load(PUBLISHED.read_text())
     for answer in answers(published["shapes"]):
-        near = 0.005 if answer.source in published["sources"] else 1e-3
+        near = 0.003 if answer.source in published["sources"] else 1e-6
         assert answer.limit == pytest.approx(answer.known, rel=near), answer.name
         if answer.static is not None:
-            assert answer.static == pytest.approx(answer.limit, rel=1e-3), answer.name
+            assert answer.static == pytest.approx(answer.limit, rel=1e-4), answer.name
 
 
 def test_walls_that_slide_carry_their_known_acceleration_and_less_along_a_path() -> None:

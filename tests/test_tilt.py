@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -17,7 +16,6 @@ from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import (
     Motion,
     Tilt,
-    kind_of_motion,
     load_of_tilt,
     moves_most,
     static_tilt,
@@ -34,58 +32,45 @@ STRONG = FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9)
 Y = Tilt((0.0, 1.0, 0.0))
 
 
-@pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (math.sqrt(3), 1.0, 0.0)])
-def test_a_block_on_a_slope_slides_at_its_friction_angle(axis: tuple[float, float, float]) -> None:
-    model = on_ground(0.2)
-    found = static_tilt(model, Tilt(axis))
-    assert found.angle == pytest.approx(degrees(0.2), abs=0.01)
-    assert found.angle == found.first_failure
-    assert found.motion is Motion.SLIDING
-    assert limit_tilt(model, Tilt(axis)).angle == pytest.approx(degrees(0.2), rel=1e-6)
-
-
-@pytest.mark.parametrize(("axis", "width"), [((0.0, 1.0, 0.0), 0.4), ((1.0, 0.0, 0.0), 0.6)])
-def test_tall_blocks_overturn_at_b_over_h(axis: tuple[float, float, float], width: float) -> None:
-    model = on_ground(0.84)
+@pytest.mark.parametrize(
+    ("friction", "axis", "slope", "motion"),
+    [
+        (0.2, (1.0, 0.0, 0.0), 0.2, Motion.SLIDING),
+        (0.2, (0.0, -2.0, 0.0), 0.2, Motion.SLIDING),
+        (0.2, (math.sqrt(3), 1.0, 0.0), 0.2, Motion.SLIDING),
+        (0.84, (0.0, 1.0, 0.0), 0.4, Motion.ROCKING),
+        (0.84, (1.0, 0.0, 0.0), 0.6, Motion.ROCKING),
+    ],
+)
+def test_a_block_on_a_slope_slides_at_its_friction_angle_or_overturns_at_b_over_h(
+    friction: float, axis: Vector, slope: float, motion: Motion
+) -> None:
+    model = on_ground(friction)
     found, limit = static_tilt(model, Tilt(axis)), limit_tilt(model, Tilt(axis))
-    assert found.angle == pytest.approx(degrees(width), abs=0.01)
-    assert found.motion is Motion.ROCKING
-    assert limit.angle == pytest.approx(degrees(width), rel=1e-6)
+    assert found.angle == found.first_failure == pytest.approx(degrees(slope), abs=0.01)
+    assert limit.angle == pytest.approx(degrees(slope), rel=1e-6)
+    assert found.motion is motion
     assert limit.mechanism is not None
-    assert kind_of_motion(model, limit.mechanism) is Motion.ROCKING
     assert moves_most(model, limit.mechanism) == "block"
 
 
-def test_an_arch_rocks_at_the_tilt_of_whiting_after_both_models() -> None:
-    model = structure(arch(60, 0.2), dry(3.0))
-    found = static_tilt(model, Y)
-    assert found.angle == pytest.approx(15.84, abs=0.1)
-    assert found.motion is Motion.ROCKING
-    assert limit_tilt(model, Y).angle == pytest.approx(found.angle, abs=0.01)
-
-
-def test_a_bonded_block_hangs_until_its_bond_is_torn_off() -> None:
-    """The bond carries shear only: at its angle the weight's part along it is the cohesion."""
+@pytest.mark.parametrize(
+    ("fails", "friction", "falls", "motion"),
+    [(30.0, 0.0, 30.0, Motion.BONDS), (10.0, 0.5, degrees(0.5), Motion.SLIDING)],
+)
+def test_a_bond_fails_where_the_weight_along_it_is_its_cohesion_and_friction_holds_on(
+    fails: float, friction: float, falls: float, motion: Motion
+) -> None:
     slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
-    cohesion = 0.5 * slab.weight / (0.4 * 0.6)
-    model = structure([GROUND, slab], FaceMaterial(1e10, 1e10, 0.0, cohesion, 1e6))
+    cohesion = math.sin(math.radians(fails)) * slab.weight / (0.4 * 0.6)
+    model = structure([GROUND, slab], FaceMaterial(1e10, 1e10, friction, cohesion, 1e6))
     found = static_tilt(model, Y)
-    assert found.first_failure == pytest.approx(30.0, abs=0.01)
-    assert found.angle == pytest.approx(30.0, abs=0.01)
-    assert found.motion is Motion.BONDS
-    assert found.mechanism is None
-    assert limit_tilt(model, Y).angle == pytest.approx(30.0, abs=1e-3)
-
-
-def test_friction_holds_what_a_bond_lets_go() -> None:
-    """The brittle bond fails at 10 degrees, and the block then slides at its friction angle."""
-    slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
-    cohesion = math.sin(math.radians(10.0)) * slab.weight / (0.4 * 0.6)
-    law = FaceMaterial(1e10, 1e10, 0.5, cohesion, 1e6)
-    found = static_tilt(structure([GROUND, slab], law), Y)
-    assert found.first_failure == pytest.approx(10.0, abs=0.01)
-    assert found.angle == pytest.approx(degrees(0.5), abs=0.01)
-    assert found.motion is Motion.SLIDING
+    assert found.first_failure == pytest.approx(fails, abs=0.01)
+    assert found.angle == pytest.approx(falls, abs=0.01)
+    assert found.motion is motion
+    if motion is Motion.BONDS:
+        assert found.mechanism is None
+        assert limit_tilt(model, Y).angle == pytest.approx(falls, abs=1e-3)
 
 
 def test_a_block_that_is_glued_on_hangs_upside_down() -> None:
@@ -166,20 +151,6 @@ def test_turned_and_shifted_axes_mean_nothing(shape: str, about: float, shift: l
     x, y, z = turn.apply(axis).tolist()
     there = both([moved(block, turn, shift) for block in SHAPES[shape]], Tilt((x, y, z)))
     assert there == pytest.approx(here, rel=5e-4)
-
-
-def test_a_stack_as_one_block_overturns_where_its_lowest_joint_opens() -> None:
-    """Straight stacks of n blocks: atan(b / (n h)) while friction is high."""
-    for count in (1, 2, 4):
-        edges = np.arange(count + 1) * 0.3
-        stack = [
-            box(f"block{k}", (0.0, 0.0, low), (0.5, 0.4, high), 2e3)
-            for k, (low, high) in enumerate(pairwise(edges.tolist()))
-        ]
-        model = structure([GROUND, *stack], dry(3.0))
-        expected = degrees(0.5 / (0.3 * count))
-        assert static_tilt(model, Y).angle == pytest.approx(expected, abs=0.01)
-        assert limit_tilt(model, Y).angle == pytest.approx(expected, rel=1e-6)
 
 
 def test_condensed_locks_hold_what_slides_along_their_row_up_to_their_strength() -> None:

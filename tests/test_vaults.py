@@ -64,14 +64,11 @@ def test_smooth_joints_do_not_hold_it_and_a_rigid_frame_holds_any_load() -> None
         limit_load(*structure_of(framed), friction=True)
 
 
-def test_the_file_is_what_the_geometry_writes_and_has_110_free_blocks() -> None:
+def test_the_barrel_has_110_free_blocks_and_its_task_a_site_in_every_interface() -> None:
     assert FILE.read_text() == text(Barrel())
     blocks = read_compas(FILE, 1.0)
     assert sum(not block.fixed for block in blocks) == 110
     assert {block.density for block in blocks} == {2000.0}
-
-
-def test_its_task_has_a_site_in_every_interface() -> None:
     task = read_task(FILE)
     assert len(task.structure.sites) == len(task.structure.assembly.faces) == 305
     assert all(site.layouts for site in task.structure.sites)

@@ -106,9 +106,7 @@ def test_a_dry_run_plans_every_case_and_table_and_writes_nothing(workspace: Work
 
 
 @pytest.mark.parametrize(("snakefile", "target"), [("", "all"), ("workflow", "study")])
-def test_the_rule_graph_names_the_rules_and_writes_nothing(
-    workspace: Workspace, snakefile: str, target: str
-) -> None:
+def test_the_rule_graph_names_the_rules(workspace: Workspace, snakefile: str, target: str) -> None:
     """Also from the Snakefile at the place where catalogues of workflows look for it."""
     path = str(workspace.checkout / snakefile / "Snakefile")
     found = workspace.snakemake("--snakefile", path, "--rulegraph")
@@ -259,9 +257,7 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
 
 
 @pytest.mark.engine
-def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
-    workspace: Workspace, broken_python: Path
-) -> None:
+def test_a_failed_case_is_named_and_tried_again(workspace: Workspace, broken_python: Path) -> None:
     workspace.configure({**SMALL, "eccentricities": [0, "torsion"], "variants": {}})
     found = workspace.snakemake(YADE_PYTHON=str(broken_python))
     assert found.returncode != 0

@@ -6,55 +6,37 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from conftest import a_case, block_on_ground, run_case
+from joints import PUBLISHED
 
+from sidmacib import Loading, limit_load, static_peak
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import OUTPUTS
 from sidmacib.joint import INNER, Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout
 from sidmacib.mechanics.equilibrium import self_weight
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
 
 pytestmark = pytest.mark.engine
+SHEAR = Loading(Direction(0.0))
 
 
 # --- the joint -----------------------------------------------------------------------------------
-def test_three_locks_reach_the_published_peak_within_3_and_a_half_percent(run) -> None:
-    result = run(a_case("yade", Joint(3), Loading(Direction(0.0)), mesh=0.02))
-    assert result.shear == pytest.approx(240.76, rel=0.035)
-    published_first_two_swapped = [0.77, 0.99, 0.0]
-    assert result.weights["weight"].tolist() == pytest.approx(published_first_two_swapped, abs=0.06)
-
-
-def test_five_locks_reach_the_published_peak_within_2_percent(run) -> None:
-    result = run(a_case("yade", Joint(5), Loading(Direction(0.0)), mesh=0.02))
-    assert result.shear == pytest.approx(408.26, rel=0.02)
-    published_first_two_swapped = [0.57, 0.99, 0.68, 0.68, 0.0]
-    assert result.weights["weight"].tolist() == pytest.approx(published_first_two_swapped, abs=0.06)
-
-
-@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0)])
-def test_halving_the_loading_rate_hardly_moves_the_peak(
-    run, locks: int, eccentricity: float
+@pytest.mark.parametrize(("locks", "published", "weights", "within"), PUBLISHED)
+def test_published_samples_reach_their_peak_and_weights(
+    run, locks: int, published: float, weights: list[float], within: float
 ) -> None:
-    peaks = [
-        run(
-            a_case(
-                "yade",
-                Joint(locks),
-                Loading(Direction(eccentricity)),
-                mesh=0.02,
-                ramp_periods=periods,
-            )
-        ).peak_load
+    result = run(a_case("yade", Joint(locks), SHEAR, mesh=0.02))
+    assert result.shear == pytest.approx(published, rel=within)
+    assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.06)
+
+
+def test_halving_the_loading_rate_hardly_moves_the_peak(run) -> None:
+    fast, slow = (
+        run(a_case("yade", Joint(3), SHEAR, mesh=0.02, ramp_periods=periods)).peak_load
         for periods in (40.0, 80.0)
-    ]
-    assert peaks[1] == pytest.approx(peaks[0], rel=0.005)
+    )
+    assert slow == pytest.approx(fast, rel=0.005)
 
 
 def test_a_joint_whose_column_snaps_to_another_equilibrium_has_not_collapsed(run) -> None:
@@ -77,33 +59,23 @@ def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
     loads = Loads(self_weight(block.pieces), variable, joint.T0)
     result = json.loads((run_block("yade", block, loads) / "result.json").read_text())
     assert 1.0 <= result["peak_load_N"] / limit_load(block, loads).load <= 1.1
-    assert (
-        result["peak_load_N"]
-        > 1.3 * static_peak(replace(block, failure=Failure.BRITTLE), loads).peak.load
-    )
+    brittle = static_peak(replace(block, failure=Failure.BRITTLE), loads)
+    assert result["peak_load_N"] > 1.3 * brittle.peak.load
 
 
-@pytest.mark.parametrize(("locks", "eccentricity"), [(5, 0.5)])
-def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(
-    tmp_path: Path, locks: int, eccentricity: float
-) -> None:
+def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(run) -> None:
     """Both have friction, by which they carry more than limit analysis, which has none."""
-    joint = Joint(locks, failure=Failure.DUCTILE)
-    case = a_case("yade", joint, Loading(Direction(eccentricity)), 0.02, NodeLayout.VERTICES)
-    folder = run_case(case, tmp_path)
-    result = json.loads((folder / "result.json").read_text())
-    assembly = assemble(joint, case.subject.mesh, case.subject.nodes)
-    loads = lateral_load(joint, assembly, case.subject.loading)
-    assert result["peak_load_N"] == pytest.approx(static_peak(assembly, loads).peak.load, rel=0.02)
-    assert result["peak_load_N"] > 1.05 * limit_load(assembly, loads).load
-    history = pd.read_csv(folder / "history.csv")
-    assert not history.filter(like="_broken_share").to_numpy().any()
+    joint, loading = Joint(5, failure=Failure.DUCTILE), Loading(Direction(0.5))
+    found = run(a_case("yade", joint, loading, 0.02, NodeLayout.VERTICES))
+    problem = found.case.subject.problem()
+    assert found.peak_load == pytest.approx(static_peak(*problem).peak.load, rel=0.02)
+    assert found.peak_load > 1.05 * limit_load(*problem).load
+    assert not found.history.filter(like="_broken_share").to_numpy().any()
 
 
 # --- the engine ----------------------------------------------------------------------------------
 def test_the_script_runs_by_hand_with_yades_own_launcher(tmp_path: Path) -> None:
-    case = a_case("yade", Joint(2), Loading(Direction(0.0)))
-    folder = run_case(case, tmp_path / "case")
+    folder = run_case(a_case("yade", Joint(2), SHEAR), tmp_path / "case")
     expected = [(folder / name).read_bytes() for name in OUTPUTS]
     for name in OUTPUTS:
         (folder / name).unlink()
