@@ -216,6 +216,13 @@ def test_bonds_gravity_that_turns_and_moving_supports_have_no_capacity_curve() -
         capacity_curve(block, support_moves(block, "ground", ALONG_X))
 
 
+def test_a_block_that_twists_on_its_face_has_no_capacity_curve() -> None:
+    model = on_ground(0.7)
+    loads = force_at(model, "block", (WIDTH, 0.0, 0.0), (0.0, 1.0, 0.0))
+    with pytest.raises(CapacityError, match="twist on their faces"):
+        capacity_curve(model, loads)
+
+
 def test_a_curve_ends_where_blocks_meet_that_did_not_touch() -> None:
     gap = 0.1
     post = box("post", (WIDTH + gap, 0, 0), (WIDTH + gap + 0.2, DEPTH, 2 * HEIGHT), 2e3)

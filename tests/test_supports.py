@@ -269,3 +269,50 @@ def test_a_settling_support_lets_a_beam_slide_off_the_pier() -> None:
     """
     path = support_path(*structure_of(example("settling")))
     assert path.movement[-1] == pytest.approx(0.628, rel=0.03)
+
+
+PAD, LENGTH, BREADTH = 0.2, 4.0, 0.3  # m: along the beam, between its supports, across
+
+
+def on_pads(across: float, **given: Any) -> dict[str, Any]:
+    """A beam on two pads, of which one moves ``across`` it, or along it."""
+    ends = [(-PAD / 2, PAD / 2), (LENGTH - PAD / 2, LENGTH + PAD / 2)]
+    blocks: dict[str, Any] = {
+        name: {"low": [low, 0, -1], "high": [high, BREADTH, 0], "fixed": True}
+        for name, (low, high) in zip(("left", "right"), ends, strict=True)
+    }
+    blocks["beam"] = {"low": [-PAD / 2, 0, 0], "high": [LENGTH + PAD / 2, BREADTH, 0.3]}
+    moves = {"block": "right", "displacement": [1 - across, across, 0]}
+    support = {"load": {"support": moves}}
+    return {"blocks": blocks, "interfaces": {"friction": 0.5}} | support | given
+
+
+def test_a_support_that_moves_across_a_beam_twists_both_its_pads() -> None:
+    """Each resists by friction of its uniform pressure: the force is both torques over the span."""
+    assembly, loads = structure_of(on_pads(1))
+    x, y = np.meshgrid(*((np.arange(200) + 0.5) / 200 - 0.5 for _ in "xy"))
+    lever = float(np.hypot(PAD * x, BREADTH * y).mean())
+    torque = 0.5 * free_weight(assembly) / 2 * lever
+    (_, yields, least, greatest, path), why = support_answers(assembly, loads)
+    assert least.reaction == pytest.approx(-2 * torque / LENGTH, rel=0.01)
+    assert greatest.reaction == pytest.approx(-least.reaction, rel=1e-3)
+    assert yields.reaction == pytest.approx(least.reaction, rel=0.15)
+    assert path.reaction is None and path.note == str(why)
+    assert "twist" in path.note
+
+
+def test_a_support_that_moves_under_a_twisted_block_does_not_hold_it() -> None:
+    twist = {"block": "beam", "at": [LENGTH, 0.15, 0], "direction": [0, 1, 0], "newtons": 2500}
+    with pytest.raises(InfeasibleError, match="and the other permanent loads"):
+        support_answers(*structure_of(on_pads(1, permanent=[{"force": twist}])))
+
+
+def test_static_reactions_stay_in_equilibrium_as_far_as_the_support_moves() -> None:
+    """Friction at the left, less loaded end limits what draws the beam to the right."""
+    push = {"block": "beam", "at": [3, 0.15, 0.3], "direction": [0, 0, -1], "newtons": 1e3}
+    assembly, loads = structure_of(on_pads(0, permanent=[{"force": push}]))
+    least = -0.5 * (free_weight(assembly) * (LENGTH / 2 + PAD / 2) + 1e3 * (1 + PAD / 2)) / LENGTH
+    found = static_reactions(assembly, loads, least)
+    assert least_reaction(assembly, loads).size == pytest.approx(least, rel=1e-3)
+    assert found.reaction.min() >= least
+    assert np.ptp(found.reaction[-10:]) <= 1e-3 * abs(least)
