@@ -89,7 +89,7 @@ def test_a_mesh_is_read_without_a_file_of_other_blocks_beside_it(tmp_path: Path)
             "yup.obj --up y",
             "that cannot move: by --fixed or --fixed-below, or by fixed in a YAML file",
         ),
-        ("cra_plain.json --tolerance 0", "tolerance: 0 is not allowed"),
+        ("cra_plain.json --tolerance 0", "tolerance: '0' is not allowed"),
         ("cra_plain.json --tolerance 1mm", "1mm is a length; it must be a number without a unit"),
         ("cra_plain.json --friction 17deg", "(friction is the tangent of its angle)"),
     ],

@@ -31,6 +31,7 @@ from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import assembly_of
+from sidmacib.structure.loads import naming_permanent
 
 DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"
 FIRST, PEAK = "static, first failure", "static, peak"
@@ -91,7 +92,11 @@ def _of_case(
         )
         yield SLIDING, load, words, load is not None
     try:
-        yield from _static(Problem(assembly, loads), asked.first_failure, case.load * asked.factor)
+        with naming_permanent(loads):
+            static = _static(
+                Problem(assembly, loads), asked.first_failure, case.load * asked.factor
+            )
+            yield from tuple(static)
     except CapacityError as error:
         unlimited = math.inf if isinstance(error, UnboundedError) else None
         yield FIRST, unlimited, _line(error), asked.first_failure
@@ -120,11 +125,10 @@ def _static(
     )
     decides = first_failure or not answer.counts.peak
     about = [f"less its mesh error of {error or 0.0:.2g}" for error in answer.mesh_errors]
-    # A peak is never below the first failure, whatever the estimates of their errors.
-    if bond_fails(answer.failures):
-        peak = max(peak, first)
-    else:
+    if not bond_fails(answer.failures):
         first = peak = min(first, peak)
+    elif peak < first:  # it never is, whatever the estimates of their errors
+        peak, about[1] = first, "less its mesh error, below the first failure, which counts"
     ends = f"{about[1]}; {answer.counts}; failure mode: {answer.mode}"
     yield FIRST, first, f"{about[0]}; first bond failure, else the peak", decides
     yield PEAK, peak, ends, not decides

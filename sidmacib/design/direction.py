@@ -147,7 +147,10 @@ class RowSearch:
             )
         if answer.status == _INFEASIBLE:
             placed = " and leave every block a way to its place" if barred else ""
-            raise InfeasibleError(f"{WHAT}: no rows of locks carry all cases{placed}")
+            raise InfeasibleError(
+                f"{WHAT}: no rows of locks, of one direction in each interface, carry all cases"
+                f"{placed}; allow other directions (angles), more locks (most) or a higher cohesion"
+            )
         bound = float(structure.costs.max() * (answer.mip_dual_bound or 0.0))
         if answer.x is None:
             return None, bound
