@@ -77,9 +77,8 @@ def _among(
     """The ``values`` that are not among those ``allowed``."""
     for value in values:
         if value not in allowed:
-            yield (
-                f"{key}: {shown(value)} is not allowed; it must be one of {what}: {_some(allowed)}"
-            )
+            given = "torsion" if value == math.inf else shown(value)
+            yield f"{key}: {given} is not allowed; it must be one of {what}: {_some(allowed)}"
 
 
 def requirements(study: Study, assembly: AssemblySection, sample: str) -> Iterator[Requirement]:
@@ -317,7 +316,7 @@ def _everywhere(study: Study, key: str) -> Iterator[tuple[str, tuple[float, ...]
 
 def _some(values: Iterable[object]) -> str:
     """The first of ``values`` in words."""
-    words = [str(value) for value in values]
+    words = ["torsion" if value == math.inf else str(value) for value in values]
     return ", ".join(words[:5]) + (", ..." if len(words) > 5 else "") or "nothing"
 
 

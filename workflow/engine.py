@@ -13,7 +13,7 @@ from sidmacib.engines.run import (
     refusal,
 )
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
-from sidmacib.engines.scripts.records import OUTPUTS
+from sidmacib.engines.scripts.records import FALLS_ALONE, OUTPUTS
 from sidmacib.errors import CapacityError, ResultError
 from workflow.case import Case
 from workflow.results import BROKE_DOWN, CASE, record_of, record_without_result
@@ -52,8 +52,9 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
             (folder / name).unlink(missing_ok=True)
         if not isinstance(error, EngineNoAnswerError | CapacityError):
             (folder / BROKE_DOWN).touch()
-        if NEVER_FALLS in str(error):  # an answer, if not a number
-            found = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
+        told = [each for each in (NEVER_FALLS, FALLS_ALONE) if words.endswith(each)]
+        if told:  # an answer, if not a number
+            found = record_without_result(case, refused=f"{case.model}: {told[0]}")
         else:
             found = record_without_result(case, error=f"{case.model}: {words}")
             wrong = reason

@@ -14,7 +14,7 @@ import pandas as pd
 from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import HISTORY, NODES
-from sidmacib.errors import CapacityError, ResultError, UnboundedError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, ResultError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.model import Ability
@@ -84,7 +84,8 @@ def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
         return record_without_result(case, **{key: f"{case.model}: {error}"}, raised=error)
     except (CapacityError, ResultError, ValueError, MemoryError) as error:
         reason = str(error) or "out of memory"
-        return record_without_result(case, error=f"{case.model}: {reason}", raised=error)
+        key = "refused" if DOES_NOT_STAND in reason else "error"  # that it falls is an answer
+        return record_without_result(case, **{key: f"{case.model}: {reason}"}, raised=error)
 
 
 def solved(case: Case[Any], solve: Solve, problem: Problem | None = None) -> Solved:

@@ -129,6 +129,8 @@ def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> str:
         carried = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} not carried"
     first = governing(verdicts)
     words = f"{names[first]} governs: {verdicts[first].reasons}"
+    if len(names) == 1:
+        carried, words = names[0], verdicts[0].reasons
     return f"{'No' if lost else 'Yes'}: {carried}; {words}"
 
 

@@ -229,17 +229,18 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool, Solved]:
     first = governing(found)
     rows: list[Row] = [
         {
-            "case": demand.case,
+            "case": answer.demand.case,
             "required (N)": each.newtons,
             "carried": "yes" if each.passes else "no",
             "factor": each.factor,
             "to first failure": each.first,
             "to peak": each.peak,
             "to limit": each.limit,
+            "mesh error / load": getattr(answer.static, "mesh_error", None),
             "governs": "yes" if number == first else "",
             "note": each.note or each.words,
         }
-        for number, (demand, each) in enumerate(zip(demands, found, strict=True))
+        for number, (answer, each) in enumerate(zip(solved, found, strict=True))
     ]
     words = on_all([str(demand.case) for demand in demands], found)
     return rows, words, all(each.passes for each in found), solved[first]

@@ -44,6 +44,8 @@ def demand_of(shear: float, torque: float, ratio: float | None, reliability: Rel
     """The demand; `click.UsageError` if there is none, or if it contradicts itself."""
     if not (shear or torque or ratio):
         raise click.UsageError("Give the load: -V, -M, or -V with -e.")
+    if torque and not shear and ratio is not None and math.isinf(ratio):
+        ratio = None  # the torque alone says that it is torsion
     try:
         return Demand(shear, torque, ratio, reliability)
     except ValueError as error:

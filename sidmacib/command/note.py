@@ -15,7 +15,7 @@ from typing import Any
 from sidmacib.answers.joint import joint_answer, joint_mesh_error
 from sidmacib.command.output import in_asked_words, refused_in_one_line, write_text
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import AMOUNTS, Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.mechanics.solution import Mode
@@ -165,7 +165,9 @@ def _parameters(joint: Joint) -> list[Cells]:
         if value is not None:
             unit = each.number.unit if each.number else ""
             if each.name == "hold_down":
-                value = value.spelled
+                value = str(joint.hold_down.kind)
+                if amount := AMOUNTS.get(joint.hold_down.kind):
+                    value, unit = f"{value} of {joint.hold_down.amount:g}", amount.unit
             cells.append((each.words, f"{value:g}" if isinstance(value, float) else value, unit))
     half = -(-len(cells) // 2)
     return [

@@ -1,6 +1,7 @@
 """Pages, pictures and calculation notes of a structure."""
 
 import io
+import math
 import shlex
 import sys
 from collections import Counter
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row, reason
@@ -42,7 +44,8 @@ Cells = tuple[object, ...]
 class Views:
     """What is drawn of a structure: its ``title``, ``answer`` in words, ``notes``, and ``models``.
 
-    ``models``: the one that answers first; ``shape``: by `shape_of`.
+    ``models``: the one that answers first; ``shape``: by `shape_of`; ``given``: the loads as in the
+    structure's file.
     """
 
     title: str
@@ -51,6 +54,7 @@ class Views:
     notes: Sequence[str]
     models: Sequence[Drawn]
     shape: Mapping[str, Any]
+    given: Sequence[tuple[str, str]]
 
     @classmethod
     def of(
@@ -82,7 +86,9 @@ class Views:
             drawn.reverse()
         shape = shape_of(problem.assembly, with_condensed_locks(description, file.parent))
         words = " ".join(f"{each[0].upper()}{each[1:]}." for each in (verdict, answer) if each)
-        return cls(file.stem, problem, in_asked_words(words), notes, drawn, shape)
+        return cls(
+            file.stem, problem, in_asked_words(words), notes, drawn, shape, _given(description)
+        )
 
     @property
     def about(self) -> str:
@@ -138,6 +144,18 @@ class Views:
             "command": command,
         }
         return {"structures": [structure]}, words
+
+
+def _given(description: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Names of the loads of a ``description``, and each as it stands there, in YAML."""
+    loads = [("permanent", each) for each in description.get("permanent", ())]
+    loads += [("load", description["load"])] if "load" in description else []
+    loads += description.get("load_cases", {}).items()
+
+    def in_a_line(load: Any) -> str:
+        return yaml.safe_dump(load, sort_keys=False, default_flow_style=True, width=math.inf)
+
+    return [(name, in_a_line(load).strip()[1:-1]) for name, load in loads]
 
 
 def _load_words(load: float, weight: float | None) -> str:
@@ -297,7 +315,11 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
         error = row.get(f"mesh error / {what}")
         if error is not None:
             told = f"{100.0 * error:.2g} % of the {what}"
-            yield f"Mesh error, {row['model']}", told, "small" if error <= FLEXIBLE else "LARGE"
+            yield (
+                f"Mesh error, {row.get('model') or row['case']}",
+                told,
+                "small" if error <= FLEXIBLE else "LARGE",
+            )
     found_by = {each.model: each.load for each in views.models}
     one, other = found_by.get("static"), found_by.get("limit")
     if one and other:

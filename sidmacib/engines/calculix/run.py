@@ -18,6 +18,7 @@ from time import sleep
 from ..scripts.assembly import GivenAssembly, Vector, dot, length, plus, utilisation
 from ..scripts.children import ENDS_WITH_PARENT
 from ..scripts.records import (
+    FALLS_ALONE,
     FIRST_FAILURE,
     EngineOutcome,
     EnginePeak,
@@ -79,7 +80,7 @@ def find_first_failure(
             continue
         engine.stop()
         if before is None:
-            raise NoAnswerError("it does not stand under its permanent loads")
+            raise NoAnswerError(FALLS_ALONE)
         record(history, state, "overstressed")
         failing = at_strength(assembly, before, state)
         forces = record(history, failing, EngineOutcome.EQUILIBRIUM.value)

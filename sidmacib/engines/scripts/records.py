@@ -18,6 +18,7 @@ OUTPUTS = (HISTORY, NODES, RESULT)
 BONDS = "bonds"  # at the load that failed, bonds broke
 MECHANISM = "mechanism"  # the pieces slid or overturned, and no bond broke
 FIRST_FAILURE = "first failure"  # bonds would break; what comes after it is not known
+FALLS_ALONE = "it does not stand under its permanent loads"
 MODES = (BONDS, MECHANISM, FIRST_FAILURE)
 NO_ANSWER = 3  # exit code of a script that says why there is no result
 
@@ -151,7 +152,7 @@ def require_standing(outcome: EngineOutcome, met: str | None, guide: Guide | Non
     require_contacts(outcome, "0 N", met)
     if outcome is not EngineOutcome.EQUILIBRIUM:
         hint = ", but does in the static model: try a smaller time_step_ratio" if guide else ""
-        raise NoAnswerError(f"it does not stand under its permanent loads{hint}")
+        raise NoAnswerError(f"{FALLS_ALONE}{hint}")
 
 
 def failure_mode(outcome: EngineOutcome, breaks: bool, load: str, met: str | None) -> str:

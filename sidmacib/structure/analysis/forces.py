@@ -10,6 +10,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Kind, Vector
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.polygons import hull_sides
 from sidmacib.problem import Outcome
 from sidmacib.quantities import clean, rounded
@@ -28,7 +29,8 @@ class InterfaceForce:
     edge that way: 1 where it acts at the edge, as in a hinge; None where it acts nowhere.
     ``utilisation``, 1 at failure: where any of it is bonded, shear or tension over strength at the
     bonded node that is used most; of a dry interface the larger of the eccentricity and of shear
-    and torsion over what friction allows. Forces at dry nodes are not unique, resultants are.
+    and torsion over what friction allows; of blocks with a compressive strength that of it, if it
+    is larger. Forces at dry nodes are not unique, resultants are.
     ``bonded``: the part of its area that is bonded. ``resultant``: of the forces on the block
     above, N, along x, y and z. ``at``: the point (m) of the interface's plane through which it
     acts, torsion apart; None where compression and tension leave next to none of either.
@@ -56,6 +58,7 @@ def interface_forces(
     state = state or NodeState.initial(law)
     used = np.where(state.bonded, utilisation(law, state, force), 0.0)
     nothing = ROUNDING * float(np.abs(force).max(initial=0.0))
+    crushing = crushing_use(assembly, force[None, :, 0])
     found = []
     for number, face in enumerate(assembly.faces):
         nodes = assembly.nodes.face == number
@@ -69,6 +72,8 @@ def interface_forces(
         if not bonded and at is not None and normal > nothing:
             rubbing = _rubbing(face, places - np.array(at), force[nodes], limit[nodes], nothing)
             most = max(off or 0.0, rubbing)
+        if number in crushing:
+            most = max(most, float(crushing[number][0]))
         found.append(
             InterfaceForce(
                 face.name,

@@ -332,9 +332,11 @@ def _static(assembly: Assembly, loads: SupportMotion, least: float) -> Iterator[
         return
     at_rest = "elastic joints; small displacements"
     yield SupportAnswer("static, at rest", _clean(found.rest, loads), 0.0, at_rest)
-    reached = "has dropped to" if found.dropped(least) else "is followed to"
+    ends = "the reaction has dropped to the least"
+    if not found.dropped(least):
+        ends = "the reaction here; no equilibrium, or no small displacement, follows"
     last = _clean(found.reaction[-1], loads), float(found.movement[-1])
-    yield SupportAnswer("static, yields", *last, f"the reaction {reached} this")
+    yield SupportAnswer("static, yields", *last, ends)
 
 
 def _end(path: SupportPath) -> str:
