@@ -106,6 +106,9 @@ def test_the_note_has_the_numbers_of_the_library(tmp_path: Path) -> None:
     for size in ("b = 50", "H = 60", "h = 8", "a = 80"):
         assert size in note
     assert "multilock 1." in note and "No laboratory test" in note
+    held = "what holds the joint down</td><td>pressure of 20000</td><td>Pa"
+    pressed = "--hold-down", "pressure:20kPa"
+    assert held in note_in(tmp_path / "note.html", "capacity", *GIVEN, *options, *pressed)
     note = note_in(tmp_path / "note.html", "capacity", *GIVEN, *options, "--units", "kN")
     shown = f"V = {design.shear / 1e3:.4g} kN, M = {design.torque:.4g} N m"
     assert f"Design resistance: {shown}" in note
@@ -140,3 +143,9 @@ def test_the_note_prints_on_two_pages_and_fits_a_telephone(tmp_path: Path, brows
     printed = page.pdf(prefer_css_page_size=True)
     page.close()
     assert len(re.findall(rb"/Type\s*/Page\b(?!s)", printed)) <= 2
+
+
+def test_torsion_may_be_said_beside_the_torque() -> None:
+    alone = command("capacity", "-n", "5", "-M", "5Nm")
+    assert alone.output.startswith("Yes: it carries M = 5 N m with a factor of 1.2 ")
+    assert command("capacity", "-n", "5", "-M", "5Nm", "-e", "torsion").output == alone.output

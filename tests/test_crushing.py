@@ -1,5 +1,6 @@
 """Interfaces whose blocks have a compressive strength, against closed forms."""
 
+import json
 import math
 import re
 from pathlib import Path
@@ -165,6 +166,8 @@ def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> 
         "limit analysis; ground-pier is at its compressive strength from 10847 N on; without "
         "crushing 11772 N"
     )
+    rows = json.loads(run("assembly", str(path), "--interfaces", "--format", "json").stdout)
+    assert rows[0]["utilisation"] == pytest.approx(1.0, abs=1e-3)
     path.write_text(yaml.safe_dump(pier(demand, strength=0.9 * 2000 * GRAVITY * 2)))
     found = run("assembly", str(path))
     assert found.exit_code == 1

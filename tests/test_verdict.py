@@ -149,6 +149,11 @@ def test_each_load_case_has_a_line_and_the_lowest_factor_governs(path: Path) -> 
     assert [row["governs"] for row in rows] == ["yes", "", ""]
     assert [row["factor"] for row in rows[:2]] == pytest.approx([1.962, 3.924], rel=1e-3)
     assert rows[2]["factor"] is None and rows[2]["carried"] == "yes"
+    assert [row["mesh error / load"] for row in rows] == [0.01, 0.01, None]
+    note = path.with_suffix(".html")
+    assembly(path, {**CUBE, "load_cases": cases}, "--note", str(note))
+    for words in ("Mesh error, wind", "acceleration: [1, 0, 0], newtons: 5000", "surcharge:"):
+        assert words in note.read_text()
     cases["wind"]["newtons"] = 20_000
     code, line = said(path, {**CUBE, "load_cases": cases})
     assert (code, line[:39]) == (1, "No: wind is not carried; wind governs: ")
