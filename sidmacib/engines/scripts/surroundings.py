@@ -1,7 +1,7 @@
 """What moved pieces touch: vertices that have left a side, and pieces that have met.
 
 A vertex that passes an edge of the side that it touches leaves its contact to this edge, or loses
-it. pieces meet that had no interface, the engine cannot say what follows.
+it. Where pieces meet that had no interface, what follows is not known.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
