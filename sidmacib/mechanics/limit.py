@@ -88,13 +88,14 @@ def limit_load(
     ``friction``: whether rough faces resist sliding; friction is associated, so that sliding
     dilates. Dry faces then carry no more torque than a linear pressure over the part that is
     pressed allows, see `sidmacib.mechanics.twist`; where one would, the programme is repeated with
-    that limit until the load no longer changes, and the lowest of the last loads counts. ``most``
-    (N): the load is not raised beyond this; if it is reached, nothing moves. ``driven``: a motion
-    (m and rad) of fixed pieces per m or rad, (P, 6), in which the load acts on them, in N or N m;
-    no mechanism is found then. Accurate to 1e-9,
-    sometimes 1e-7 or 1e-5, of the load or of ``loads.scale``, whichever is larger, and rounded to
-    that; to 1e-3 where torque is limited. ValueError for ``friction`` under a fixed plate, whose
-    force has no limit: use a given force instead, see `sidmacib.HoldDown`.
+    that limit, until the torques are allowed by the pressure that they are found with and the load
+    rises no more, or until it no longer changes. ``most`` (N): the load is not raised beyond this;
+    if it is reached, nothing moves. ``driven``: a motion (m and rad) of fixed pieces per m or rad,
+    (P, 6), in which the load acts on them, in N or N m; no mechanism is found then.
+
+    Accurate to 1e-9, sometimes 1e-7 or 1e-5, of the load or of ``loads.scale``, whichever is
+    larger, and rounded to that; to 1e-3 where torque is limited. ValueError for ``friction`` under
+    a fixed plate, whose force has no limit: use a given force instead, see `sidmacib.HoldDown`.
     `sidmacib.errors.CapacityError` if there is no largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
@@ -127,19 +128,22 @@ def _with_torque(
     if not (twist := Twist.of(assembly, free.force)).motions:
         return free
     found, nearer = [free], 0
-    admitted: LimitState | None = None  # in the last round, by the places of its own pressure
+    admitted: LimitState | None = None  # the highest whose own pressure allows its torques
     while len(found) <= TORQUE_ROUNDS and not _settled([each.load for each in found]):
         try:
             found.append(solved(assembly, loads, *given, twist=twist, **limits))
         except InfeasibleError:
             nearer += 1
+            if nearer > NEARER and admitted:
+                break
             if nearer > NEARER:
                 raise InfeasibleError(DOES_NOT_STAND) from None
             twist = twist.nearer()
             continue
         if admitted and found[-1].load <= (1.0 + TORQUE_SETTLED) * admitted.load:
             break
-        admitted = None if Twist.of(assembly, found[-1].force).motions else found[-1]
+        if not Twist.of(assembly, found[-1].force).motions:
+            admitted = found[-1]
         kept = KEPT if len(found) > QUICK_ROUNDS else 0.0
         twist = twist.after(assembly, found[-1].force, kept)
     # The first rounds have the pressure elsewhere; where rounds alternate, the lower load counts.
