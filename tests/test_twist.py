@@ -18,6 +18,7 @@ from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.twist import Pressure, linear_pressure
 from sidmacib.problem import Problem
+from sidmacib.structure.analysis.reserve import geometrical_factor
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import force_at
 from sidmacib.structure.structure import structure
@@ -174,3 +175,8 @@ def test_a_load_that_presses_and_turns_is_limited_by_its_torque(
     found = limit_load(*problem, friction=True)
     assert found.load == pytest.approx(HELD / (lever - 0.6 * SQUARE * SIDE), rel=5e-3)
     assert found.untwisted == math.inf
+
+
+def test_smaller_interfaces_resist_less_torque() -> None:
+    problem = turned_cap(HELD / 2.0, (0.0, 0.0, -1.0, 0.0, 0.0, 0.0))
+    assert geometrical_factor(*problem) == pytest.approx(2.0, rel=5e-3)

@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from shapely.affinity import scale
 
 from sidmacib.errors import (
     DOES_NOT_STAND,
@@ -26,6 +27,7 @@ from sidmacib.errors import (
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Vector
 from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
 from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
@@ -53,7 +55,7 @@ class Push:
 
 
 def geometrical_factor(assembly: Assembly, loads: Loads) -> float | None:
-    """The geometrical safety factor of a structure that stands.
+    """The geometrical safety factor of a structure that stands; blocks are not crushed.
 
     None where interfaces could be points, or are not dry.
     """
@@ -84,11 +86,18 @@ def _largest(stands: Callable[[float], bool]) -> float | None:
 
 
 def _smaller(assembly: Assembly, factor: float) -> Assembly:
-    """With interfaces that are smaller by a ``factor``."""
-    nodes = assembly.nodes
+    """With interfaces that are smaller by a ``factor``, between blocks that are not crushed."""
+    nodes, part = assembly.nodes, 1.0 / factor
     middle = np.array([face.middle for face in assembly.faces])[nodes.face]
-    smaller = replace(nodes, position=middle + (nodes.position - middle) / factor)
-    return replace(assembly, nodes=smaller)
+    smaller = replace(nodes, position=middle + part * (nodes.position - middle))
+    faces = []
+    for face in assembly.faces:
+        assert isinstance(face, Polygon), "a structure has polygons"
+        law, outline = face.material, scale(face.outline, part, part, origin=(0.0, 0.0))
+        if isinstance(law, CrushedMaterial):
+            law = replace(law, compressive_strength=None)
+        faces.append(replace(face, material=law, outline=outline))
+    return replace(assembly, faces=tuple(faces), nodes=smaller)
 
 
 def _weaker(assembly: Assembly, factor: float) -> Assembly:
