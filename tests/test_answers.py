@@ -181,6 +181,14 @@ def test_engines_are_compared_with_the_static_model_on_their_own_cells() -> None
     assert row["difference_to_static"] == pytest.approx(416.0 / row["static_load_N"] - 1.0)
 
 
+def test_limit_analysis_is_compared_with_the_static_load_on_the_smallest_cells() -> None:
+    static = record_of(FILES["trilith"])
+    coarse = replace(static, part=replace(static.part, given_peak_N=1.5 * static.peak_N))
+    limit = replace(engine("limit", 0.99 * static.peak_N, None), physics=static.physics)
+    row = structures_table([coarse, limit]).set_index("model").loc["limit"]
+    assert row["difference_to_static"] == pytest.approx(-0.01)
+
+
 @pytest.mark.parametrize(("first", "counts"), [(400.0, FIRST_FAILURE), (None, PEAK)])
 def test_an_engines_peak_alone_counts_if_no_bond_fails(first: float | None, counts: str) -> None:
     found = counted(engine("yade", 900.0, first), None)

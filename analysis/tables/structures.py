@@ -9,6 +9,7 @@ import pandas as pd
 
 from sidmacib.answers.structure_paths import counting, without_other_meshes
 from sidmacib.answers.verdict import KeptAnswer, Verdict, governing, verdict
+from sidmacib.engines import ENGINES
 from sidmacib.engines.curve import yade_answer
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mesh_error import DIGITS
@@ -90,12 +91,13 @@ def _on_given(error: float | None, given: float | None, finest: float | None) ->
 
 
 def _compared(record: StructureRecord, static: StructureRecord | None) -> float | None:
-    """The load (N) of the static model that a record's is compared with."""
+    """The load (N) of the static model to compare with: for an engine, on the same cells."""
     if record.model == REFERENCE_MODEL or static is None:
         return None
-    if first_failure_only(record.model) or static.part.counts == FIRST_FAILURE:
-        return static.part.given_first_failure_N
-    return static.part.given_peak_N
+    first = first_failure_only(record.model) or static.part.counts == FIRST_FAILURE
+    if record.model not in ENGINES:
+        return static.first_failure_load_N if first else static.peak_N
+    return static.part.given_first_failure_N if first else static.part.given_peak_N
 
 
 def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[str, Any]:
