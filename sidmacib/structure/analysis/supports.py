@@ -190,6 +190,9 @@ def static_reactions(assembly: Assembly, loads: SupportMotion, least: float) -> 
         found.append((point.load, reaction(point)))
         step = max(step, (GROWTH - 1.0) * point.load)
     movement, reactions = np.array(found).T
+    if reactions[-1] < least:  # on cells that resist more torque: the path ends there
+        movement[-1] = np.interp(-least, -reactions[-2:], movement[-2:])
+        reactions[-1] = least
     return StaticReactions(movement, reactions)
 
 
