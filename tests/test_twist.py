@@ -39,7 +39,7 @@ def lintel(at: Vector, shift: float = 0.0, mesh: float = 0.03) -> Problem:
 
 def square(centre: tuple[float, float], cells: int = 4) -> Pressure:
     places, areas = outline_nodes(UNIT, 1.0 / cells, NodeLayout.LOBATTO)
-    return Pressure(places, linear_pressure(places, areas, np.array(centre)), 1.0)
+    return Pressure(places, *linear_pressure(places, areas, np.array(centre)), 1.0)
 
 
 def torque(pressure: Pressure) -> float:

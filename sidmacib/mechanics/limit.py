@@ -31,7 +31,7 @@ from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import Limited
 from sidmacib.mechanics.equilibrium import motion_of
 from sidmacib.mechanics.optimisation import solve
-from sidmacib.mechanics.twist import Twist
+from sidmacib.mechanics.twist import EXCESS, Twist, torque_use
 
 # Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
 # kept. With an even number of locks, rounding loses the last ones; bonds without friction
@@ -52,6 +52,7 @@ FALLS = 1e-6  # of the scale of the loads: a load that is negative, not 0
 SHORT = 1e-5  # of all permanent loads: what may be missing where a structure stands
 TORQUE_SETTLED = 1e-3  # change of the load over itself in such rounds
 CALM = 3  # rounds in a row that must have settled
+NEARLY = 0.01  # over the limits of torque: less is left by rounds that have settled
 FAR, NEAR = 1e3, 1.0 - 1e-6  # load over their scale that is as good as unlimited; part to reach it
 NODE_MEMORY = 12_000  # bytes a node that the programme takes, solver included; measured on walls
 MOST_MEMORY = 2**31  # bytes; so large a programme takes some twenty minutes
@@ -127,9 +128,11 @@ def _with_torque(
     """The state with limits of torque, from the one ``free`` of them; others as for `solved`."""
     if not (twist := Twist.of(assembly, free.force)).motions:
         return free
-    found, nearer = [free], 0
+    found, nearer, use = [free], 0, math.inf
     admitted: LimitState | None = None  # the highest whose own pressure allows its torques
-    while len(found) <= TORQUE_ROUNDS and not _settled([each.load for each in found]):
+    while len(found) <= TORQUE_ROUNDS and not (
+        use <= 1.0 + NEARLY and _settled([each.load for each in found])
+    ):
         try:
             found.append(solved(assembly, loads, *given, twist=twist, **limits))
         except InfeasibleError:
@@ -142,7 +145,8 @@ def _with_torque(
             continue
         if admitted and found[-1].load <= (1.0 + TORQUE_SETTLED) * admitted.load:
             break
-        if not Twist.of(assembly, found[-1].force).motions:
+        use = torque_use(assembly, found[-1].force)
+        if use <= 1.0 + EXCESS:
             admitted = found[-1]
         kept = KEPT if len(found) > QUICK_ROUNDS else 0.0
         twist = twist.after(assembly, found[-1].force, kept)

@@ -62,28 +62,28 @@ FIRST = np.array(
 class Pressure:
     """A linear pressure on a face, as points: ``places`` (J, 2) along the tangents from its middle.
 
-    In units of ``size`` (m), the face's longer side. ``shares`` of the normal force: (J,).
+    In units of ``size`` (m), the face's longer side. ``shares`` of the normal force: (J,); they are
+    ``slopes``, (J, 3), times (1, x, y) of its resultant, as long as the same part is pressed.
     """
 
     places: Floats
     shares: Floats
+    slopes: Floats
     size: float
 
     @classmethod
     def of(cls, face: Face, centre: Floats) -> "Pressure":
         """On ``face``, with its resultant at ``centre``, (2,) in m."""
         places, areas, size = points_of(face)
-        return cls(places, linear_pressure(places, areas, centre / size), size)
+        return cls(places, *linear_pressure(places, areas, centre / size), size)
 
-    def resistance(self, motions: Floats) -> Floats:
-        """Work of friction in ``motions``, (K, 3), over mu N, (K,)."""
-        return np.asarray(np.hypot(*self._speeds(motions)) @ self.shares)
+    def resistance(self, motions: Floats, at: Floats) -> Floats:
+        """Work of friction in ``motions``, (K, 3), over mu N, of forces ``at`` places, (M, 2).
 
-    def _speeds(self, motions: Floats) -> Floats:
-        """Along both tangents at each point, (2, K, J)."""
-        x, y = self.places.T
-        one, other, turn = motions.T[:, :, None]
-        return np.array([one - turn * y, other + turn * x])
+        (K, M); linear in the places, so that the work of several forces together is the sum.
+        """
+        work = np.hypot(*speeds(self.places, motions)) @ self.slopes
+        return np.asarray(work @ np.column_stack([np.ones(len(at)), at]).T)
 
     def worst(self, load: Floats) -> tuple[float, Floats]:
         """The part of the limit that a ``load``, (3,), uses, and the motion, (3,), that reaches it.
@@ -99,7 +99,7 @@ class Pressure:
             matrix = (rows * weight).reshape(3, -1) @ rows.reshape(3, -1).T
             matrix += STUCK * matrix.trace() * np.eye(3)  # a line does not resist turning on it
             motion = np.linalg.solve(matrix, load)
-            speed = np.hypot(*self._speeds(motion[None])[:, 0])
+            speed = np.hypot(*speeds(self.places, motion[None])[:, 0])
             use = float(load @ motion / (speed @ self.shares))
             if use > used:
                 gain, used, best = use - used, use, motion / np.abs(motion).max()
@@ -161,13 +161,12 @@ class Twist:
         for number, motions in self.motions.items():
             pressure = Pressure.of(assembly.faces[number], self.centres[number])
             nodes = np.flatnonzero(assembly.nodes.face == number)
-            here = Pressure(lever[nodes] / pressure.size, np.ones(len(nodes)), pressure.size)
+            at = lever[nodes] / pressure.size
             columns = np.searchsorted(rough, nodes)
-            speeds = here._speeds(motions).transpose(1, 2, 0).reshape(len(motions), -1)
+            moved = speeds(at, motions).transpose(1, 2, 0).reshape(len(motions), -1)
             wide = (2 * columns[:, None] + np.arange(2)).ravel()
-            most = np.repeat(pressure.resistance(motions)[:, None], len(nodes), axis=1)
-            forces.append(_placed(speeds, wide, 2 * len(rough)))
-            limits.append(_placed(most, columns, len(rough)))
+            forces.append(_placed(moved, wide, 2 * len(rough)))
+            limits.append(_placed(pressure.resistance(motions, at), columns, len(rough)))
         size = unit[rough] / float(unit[rough].max())
         both = (sp.vstack(forces), np.repeat(size, 2)), (sp.vstack(limits), size)
         works, most_works = (rows @ sp.diags_array(of_nodes) for rows, of_nodes in both)
@@ -224,29 +223,55 @@ class Resultants:
         return np.array(both) / self.limit[number]
 
 
-def linear_pressure(places: Floats, areas: Floats, centre: Floats) -> Floats:
+def torque_use(assembly: Assembly, force: Floats) -> float:
+    """The largest part of its limit of shear and torque that a dry face uses, by its own pressure.
+
+    ``force``: of the nodes, (N, 3) in N.
+    """
+    where, most = Resultants.of(assembly, force), 0.0
+    for number in where.candidates(assembly):
+        pressure = Pressure.of(assembly.faces[number], where.centres[number])
+        most = max(most, pressure.worst(where.use(number, pressure.size))[0])
+    return most
+
+
+def linear_pressure(places: Floats, areas: Floats, centre: Floats) -> tuple[Floats, Floats]:
     """Shares of a normal force at ``places``, (J, 2), that are no tension and linear if pressed.
 
     ``areas``: (J,), which add up to 1, as the shares do. ``centre``: (2,), of the force; it is
     moved inside the places if it is on their edge. They are the shares of least sum of p^2 / A.
+    Also their slopes, (J, 3), see `Pressure`.
     """
     middle = areas @ places
-    sought = np.array([1.0, *((1.0 - INSIDE) * (centre - middle))])
+    # From (1, x, y) of the centre to what is sought.
+    inside = (1.0 - INSIDE) * np.column_stack([-middle, np.eye(2)])
+    seen = np.vstack([[1.0, 0.0, 0.0], inside])
+    sought = seen @ [1.0, *centre]
     basis = np.column_stack([np.ones(len(areas)), places - middle])
     pressed = np.ones(len(areas), bool)
     for _ in range(TRIES):
         matrix = (basis[pressed].T * areas[pressed]) @ basis[pressed]
         if np.linalg.cond(matrix) > WORST:
             break
-        pressure = basis @ np.linalg.solve(matrix, sought)
+        slopes = basis @ np.linalg.solve(matrix, seen)
+        pressure = slopes @ [1.0, *centre]
         if np.array_equal(pressure > 0.0, pressed):
-            return np.asarray(areas * np.maximum(pressure, 0.0))
+            slopes = (areas * pressed)[:, None] * slopes
+            return slopes @ [1.0, *centre], slopes
         pressed = pressure > 0.0
     # Rare: the part that is pressed is found among all, one point after the other.
     root = np.sqrt(areas)
     rows = np.vstack([EXACT * basis.T * root, np.eye(len(areas))])
     shares = nnls(rows, np.concatenate([EXACT * sought, np.zeros(len(areas))]))[0] * root
-    return np.asarray(shares / shares.sum())
+    shares = np.asarray(shares / shares.sum())
+    return shares, np.column_stack([shares, np.zeros((len(areas), 2))])
+
+
+def speeds(places: Floats, motions: Floats) -> Floats:
+    """Of ``places``, (J, 2), in ``motions``, (K, 3), along both tangents, (2, K, J)."""
+    x, y = places.T
+    one, other, turn = motions.T[:, :, None]
+    return np.array([one - turn * y, other + turn * x])
 
 
 def levers(assembly: Assembly) -> Floats:
