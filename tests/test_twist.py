@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,12 +17,13 @@ from sidmacib.mechanics.crushing import Limited
 from sidmacib.mechanics.limit import limit_load, require_standing, solved
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.twist import Pressure, linear_pressure
+from sidmacib.mechanics.twist import Pressure, linear_pressure, torque_use
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.reserve import geometrical_factor
 from sidmacib.structure.blocks import box
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import force_at
-from sidmacib.structure.structure import structure
+from sidmacib.structure.structure import refined, structure
 
 SIDE = 0.3  # m
 UNIT = shapely.box(-0.5, -0.5, 0.5, 0.5)
@@ -180,3 +182,36 @@ def test_a_load_that_presses_and_turns_is_limited_by_its_torque(
 def test_smaller_interfaces_resist_less_torque() -> None:
     problem = turned_cap(HELD / 2.0, (0.0, 0.0, -1.0, 0.0, 0.0, 0.0))
     assert geometrical_factor(*problem) == pytest.approx(2.0, rel=5e-3)
+
+
+def on_two_piers(pad: float, friction: float, across: dict[str, Any]) -> dict[str, Any]:
+    """A bar on a pier of 0.4 m and on a ``pad`` that it slips on, pushed ``across``."""
+    blocks: dict[str, Any] = {
+        "a": {"low": [-0.2, -0.2, -0.5], "high": [0.2, 0.2, 0], "fixed": True},
+        "b": {"low": [1.4 - pad / 2, -pad / 4, -0.5], "high": [1.4 + pad / 2, pad / 4, 0]},
+        "bar": {"low": [-0.2, -0.2, 0], "high": [1.4 + pad / 2, 0.2, 0.3], "density": 2e3},
+    }
+    blocks["b"]["fixed"] = True
+    slippery = {"between": ["b", "bar"], "friction": friction}
+    given = {"blocks": blocks, "interfaces": {"friction": 0.5}, "special": [slippery]}
+    return {**given, "load": across}
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.05, 0.3])
+@pytest.mark.parametrize(
+    "across",
+    [
+        {"acceleration": [0, 1, 0]},
+        {"force": {"block": "bar", "at": [1.4, 0, 0], "direction": [0, 1, 0]}},
+    ],
+)
+def test_pressure_goes_where_a_bar_on_two_piers_carries_most(
+    friction: float, across: dict[str, Any]
+) -> None:
+    """No less than the static model, whose forces are admissible."""
+    problem = structure_of(on_two_piers(0.2, friction, across))
+    found = limit_load(*problem, friction=True)
+    fine = refined(problem.assembly, 8)
+    static = static_peak(fine, problem.loads).peak.load
+    assert 0.98 * static <= found.load <= 1.1 * static
+    assert torque_use(problem.assembly, found.force) <= 1.02

@@ -234,7 +234,10 @@ def _opened(path: Path) -> OpenedFile:
     demands = demands_of(description, path.parent)
     demand, name, notes = demands[0], path.name, []
     if not demand.raises:
-        raise ValueError("load: missing; none is for multilock assembly only")
+        raise ValueError(
+            "load: missing; give one, such as load: {acceleration: [1, 0, 0]}, or look at the "
+            "reserve without a load with multilock assembly FILE --report page.html"
+        )
     if isinstance(demand.problem.loads, SupportMotion):
         raise ValueError("load.support: is for multilock assembly only; use another load here")
     limit: LimitState | CapacityError | None

@@ -84,7 +84,7 @@ def verdict(
             newtons, True, words, "neither bending nor splitting of blocks is considered"
         )
     if most is None:
-        return Verdict(newtons, False, "no model has an answer", f"{static}; {limit}")
+        return Verdict(newtons, False, "no model that decides has an answer", f"{static}; {limit}")
     note = f"limit analysis, which may overestimate; the static model has no answer: {static}"
     return _by_limit(newtons, most, note)
 

@@ -167,7 +167,7 @@ def _crushed(problem: Problem, limit: LimitState) -> str:
 
 def _torque(limit: LimitState) -> str:
     """That torque limits the load, in words, and the load without that limit."""
-    if limit.untwisted is None:
+    if limit.untwisted is None or four_digits(limit.untwisted) == four_digits(limit.load):
         return ""
     others = "no limit" if math.isinf(limit.untwisted) else f"{four_digits(limit.untwisted)} N"
     return f"limited by the torque of interfaces ({others} without)"

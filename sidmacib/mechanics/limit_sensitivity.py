@@ -28,6 +28,7 @@ from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, unbalanced_forces
 from sidmacib.mechanics.limit import LimitState, limit_load
 
+COARSE = 0.01  # of a parameter: a change that loads with limits of torque tell
 SHAKE = 1e-5  # of loads, areas and lengths
 SAME = 1e-3  # difference of derivatives to either side, over the largest or the load over the size
 
@@ -70,8 +71,8 @@ def limit_derivatives(
 
     Three solutions are enough, however many changes there are, where the forces and the mechanism
     are unique. Where the torque of dry faces is limited, or blocks may be crushed, the loads at
-    either end of each change tell instead. ValueError for a change with other pieces, faces or
-    numbers of nodes.
+    either end of each change tell instead, with limits of torque those of changes by at least
+    `COARSE` only. ValueError for a change with other pieces, faces or numbers of nodes.
     """
     for name, change in changes.items():
         for other, _ in change.ends:
@@ -81,6 +82,9 @@ def limit_derivatives(
     found: dict[str, float | None] = {}
     if state.untwisted is not None or crushed_faces(assembly):
         for name, change in changes.items():
+            if state.untwisted is not None and change.difference < COARSE * change.size:
+                found[name] = None  # loads with limits of torque are not that accurate
+                continue
             before, after = (limit_load(*end, friction=friction).load for end in change.ends)
             found[name] = (after - before) / change.difference
         return LimitDerivatives(state.load, found)

@@ -48,7 +48,9 @@ def assumes(assembly: Assembly) -> str:
     if any(isinstance(face, CondensedLocks) and face.limits for face in assembly.faces):
         return "locks limited by the rule, held down as given; the first lock to fail governs"
     if any(face.kind is Kind.INNER for face in assembly.faces):
-        return "ductile, frictionless bonds: neither an upper nor a lower bound for brittle bonds"
+        rough = any(face.material.bond_friction for face in assembly.faces)
+        bonds = "ductile bonds" if rough else "ductile, frictionless bonds"
+        return f"{bonds}: neither an upper nor a lower bound for brittle bonds"
     return "associated friction: may overestimate"
 
 

@@ -55,7 +55,7 @@ class Push:
 
 
 def geometrical_factor(assembly: Assembly, loads: Loads) -> float | None:
-    """The geometrical safety factor of a structure that stands; blocks are not crushed.
+    """The geometrical safety factor of a structure that stands.
 
     None where interfaces could be points, or are not dry.
     """
@@ -86,17 +86,14 @@ def _largest(stands: Callable[[float], bool]) -> float | None:
 
 
 def _smaller(assembly: Assembly, factor: float) -> Assembly:
-    """With interfaces that are smaller by a ``factor``, between blocks that are not crushed."""
+    """With interfaces that are smaller by a ``factor``."""
     nodes, part = assembly.nodes, 1.0 / factor
     middle = np.array([face.middle for face in assembly.faces])[nodes.face]
     smaller = replace(nodes, position=middle + part * (nodes.position - middle))
     faces = []
     for face in assembly.faces:
         assert isinstance(face, Polygon), "a structure has polygons"
-        law, outline = face.material, scale(face.outline, part, part, origin=(0.0, 0.0))
-        if isinstance(law, CrushedMaterial):
-            law = replace(law, compressive_strength=None)
-        faces.append(replace(face, material=law, outline=outline))
+        faces.append(replace(face, outline=scale(face.outline, part, part, origin=(0.0, 0.0))))
     return replace(assembly, faces=tuple(faces), nodes=smaller)
 
 
