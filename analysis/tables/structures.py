@@ -63,7 +63,8 @@ def counted(record: StructureRecord, static: StructureRecord | None) -> Structur
         return record
     failures = Failures(record.first_failure_load_N or record.peak_N, record.peak_N)
     if static is not None and (known := static.part).counts is not None:
-        counts = Counts(known.counts == PEAK, known.because or "")
+        because = (known.because or "").partition("; ")[0]  # the rest is of the static model alone
+        counts = Counts(known.counts == PEAK, because)
         first = _on_given(
             known.first_failure_mesh_error, known.given_first_failure_N, static.first_failure_load_N
         )
