@@ -130,9 +130,7 @@ def _with_torque(
         return free
     found, nearer, use = [free], 0, math.inf
     admitted: LimitState | None = None  # the highest whose own pressure allows its torques
-    while len(found) <= TORQUE_ROUNDS and not (
-        use <= 1.0 + NEARLY and _settled([each.load for each in found])
-    ):
+    while len(found) <= TORQUE_ROUNDS and not _settled([each.load for each in found], use):
         try:
             found.append(solved(assembly, loads, *given, twist=twist, **limits))
         except InfeasibleError:
@@ -157,10 +155,13 @@ def _with_torque(
     return replace(lowest, untwisted=free.load)
 
 
-def _settled(loads: Sequence[float]) -> bool:
-    """Whether the load of the last rounds no longer changes."""
-    last = loads[-CALM - 1 :]
-    return len(last) > CALM and max(last) - min(last) <= TORQUE_SETTLED * abs(last[-1])
+def _settled(loads: Sequence[float], use: float = 1.0) -> bool:
+    """Whether the load of the last rounds no longer changes.
+
+    ``use``: of the limits of torque; where it stays above them, there are some rounds more.
+    """
+    last, least = loads[-CALM - 1 :], CALM if use <= 1.0 + NEARLY else QUICK_ROUNDS
+    return len(loads) > least and max(last) - min(last) <= TORQUE_SETTLED * abs(last[-1])
 
 
 def solved(
