@@ -115,6 +115,7 @@ def _parents(module: str) -> Iterator[str]:
 @cache
 def _imports(module: str) -> tuple[str, ...]:
     names: list[str] = []
+    scan = ModuleFinder().scan_opcodes
     is_package = str(source(module)).endswith("__init__.py")
     package = module if is_package else module.rpartition(".")[0]
     for code in _functions(module):
@@ -122,7 +123,7 @@ def _imports(module: str) -> tuple[str, ...]:
             names += [text for text in code.co_consts if isinstance(text, str)]
         if IMPORT not in code.co_code[::2]:
             continue
-        for what, found in ModuleFinder().scan_opcodes(code):
+        for what, found in scan(code):
             if what != "store":
                 *level, imported, base = found
                 base = resolve_name("." * sum(level) + base, package)
@@ -149,7 +150,7 @@ def _nested(code: CodeType) -> Iterator[CodeType]:
 
 @cache
 def _code_digest(module: str) -> str:
-    return _digest(repr([list(map(_text, _functions(module)))]).encode())
+    return _digest(repr([*map(_text, _functions(module))]).encode())
 
 
 def _text(code: CodeType) -> tuple[object, ...]:

@@ -124,14 +124,13 @@ def by_factors(load: str, factor: float, factors: str) -> str:
 def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> str:
     """The verdict on several load cases in words; ``names``: of the cases."""
     lost = [name for name, each in zip(names, verdicts, strict=True) if not each.passes]
+    said, first = "No" if lost else "Yes", governing(verdicts)
+    if len(names) == 1:
+        return f"{said}: {names[0]}; {verdicts[0].reasons}"
     carried = f"all {len(names)} cases"
     if lost:
         carried = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} not carried"
-    first = governing(verdicts)
-    words = f"{names[first]} governs: {verdicts[first].reasons}"
-    if len(names) == 1:
-        carried, words = names[0], verdicts[0].reasons
-    return f"{'No' if lost else 'Yes'}: {carried}; {words}"
+    return f"{said}: {carried}; {names[first]} governs: {verdicts[first].reasons}"
 
 
 def governing(verdicts: Sequence[Verdict]) -> int:

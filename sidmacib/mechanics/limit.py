@@ -254,12 +254,13 @@ def require_standing(assembly: Assembly, loads: Loads, *, friction: bool = False
             break
         shares.append(float(share.value))
         stands = shares[-1] >= 1.0 - SHORT
-        if stands and not (friction and Twist.of(assembly, found).motions):
+        own = Twist.of(assembly, found) if friction else None
+        if stands and not (own and own.motions):
             return
         if twist is None and not stands:
             break
         kept = KEPT if len(shares) > QUICK_ROUNDS else 0.0
-        twist = twist.after(assembly, found, kept) if twist else Twist.of(assembly, found)
+        twist = twist.after(assembly, found, kept) if twist else own
     else:
         if min(shares[-CALM:]) >= 1.0 - SHORT:
             return

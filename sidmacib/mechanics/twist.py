@@ -19,7 +19,7 @@ The set depends on the place of the pressure's resultant, which depends on the f
 analysis takes the places from the round before.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -141,9 +141,7 @@ class Twist:
 
     def _more(self, assembly: Assembly, where: "Resultants") -> "Twist":
         motions = dict(self.motions)
-        for number in where.candidates(assembly):
-            pressure = Pressure.of(assembly.faces[number], self.centres[number])
-            used, motion = pressure.worst(where.use(number, pressure.size))
+        for number, used, motion in where.uses(assembly, self.centres):
             if used > 1.0 + EXCESS:
                 motions[number] = np.vstack([motions.get(number, FIRST), motion])
         return replace(self, motions=motions)
@@ -217,10 +215,15 @@ class Resultants:
             and about[number] > EXCESS * self.limit[number] * points_of(face)[2]
         ]
 
-    def use(self, number: int, size: float) -> Floats:
-        """Shears and torque / ``size`` of a face, over its limit of friction, (3,)."""
-        both = [*self.shear[:, number], self.torque[number] / size]
-        return np.array(both) / self.limit[number]
+    def uses(self, assembly: Assembly, centres: Floats) -> Iterator[tuple[int, float, Floats]]:
+        """Numbers of such faces, the part of their limit that each uses, and its motion, (3,).
+
+        By a pressure with its resultant at the ``centres``, as in `Twist`.
+        """
+        for number in self.candidates(assembly):
+            pressure = Pressure.of(assembly.faces[number], centres[number])
+            both = [*self.shear[:, number], self.torque[number] / pressure.size]
+            yield number, *pressure.worst(np.array(both) / self.limit[number])
 
 
 def torque_use(assembly: Assembly, force: Floats) -> float:
@@ -228,11 +231,8 @@ def torque_use(assembly: Assembly, force: Floats) -> float:
 
     ``force``: of the nodes, (N, 3) in N.
     """
-    where, most = Resultants.of(assembly, force), 0.0
-    for number in where.candidates(assembly):
-        pressure = Pressure.of(assembly.faces[number], where.centres[number])
-        most = max(most, pressure.worst(where.use(number, pressure.size))[0])
-    return most
+    where = Resultants.of(assembly, force)
+    return max((used for _, used, _ in where.uses(assembly, where.centres)), default=0.0)
 
 
 def linear_pressure(places: Floats, areas: Floats, centre: Floats) -> tuple[Floats, Floats]:
