@@ -337,7 +337,7 @@ def _static(assembly: Assembly, loads: SupportMotion, least: float) -> Iterator[
     yield SupportAnswer("static, at rest", _clean(found.rest, loads), 0.0, at_rest)
     ends = "the reaction has dropped to the least"
     if not found.dropped(least):
-        ends = "the reaction here; no equilibrium, or no small displacement, follows"
+        ends = "followed to here; then no equilibrium is found, or displacements are large"
     last = _clean(found.reaction[-1], loads), float(found.movement[-1])
     yield SupportAnswer("static, yields", *last, ends)
 
