@@ -19,7 +19,7 @@ from analysis.explore.examples import (
 from analysis.explore.state import from_query
 from analysis.explore.structures import structure_answer
 from sidmacib.command.answers import Row
-from sidmacib.command.structures import limit_of, static_of, structure_rows
+from sidmacib.command.structures import Solved, structure_rows
 from sidmacib.structure.files.structure_file import Demand, structure_of
 from sidmacib.yaml_text import parsed, read_yaml
 
@@ -81,9 +81,7 @@ def test_what_is_not_allowed_is_changed_with_a_note(given: dict[str, object], no
 
 # --- answers -------------------------------------------------------------------------------------
 def command_rows(description: Any) -> list[Row]:
-    problem = structure_of(description)
-    limit = limit_of(problem)
-    return structure_rows(Demand(problem), limit, static_of(problem, limit), str)
+    return structure_rows(Solved.of(Demand(structure_of(description))))
 
 
 @pytest.mark.parametrize("name", QUICK)

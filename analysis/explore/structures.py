@@ -19,12 +19,18 @@ from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from analysis.explore.state import Figure, compared
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
-from sidmacib.command.assembly import case_rows, demanded_rows
+from sidmacib.command.assembly import case_rows
 from sidmacib.command.output import cell
 from sidmacib.command.structure_views import Views
-from sidmacib.command.structures import limit_of, static_of, structure_notes
-from sidmacib.errors import CapacityError
-from sidmacib.mechanics.limit import LimitState
+from sidmacib.command.structures import (
+    Limit,
+    Solved,
+    Static,
+    limit_of,
+    static_of,
+    structure_notes,
+    structure_rows,
+)
 from sidmacib.scene.forces import arrows_of
 from sidmacib.scene.page import page
 from sidmacib.structure.files.structure_file import Demand, demands_of, description_in
@@ -50,25 +56,18 @@ class StructureAnswer:
 
     @classmethod
     def of(
-        cls,
-        path: Path,
-        description: Any,
-        demand: Demand,
-        limit: LimitState | CapacityError | None,
-        static: StaticAnswer | CapacityError,
-        more_notes: Sequence[str] = (),
+        cls, path: Path, description: Any, solved: Solved, more_notes: Sequence[str] = ()
     ) -> "StructureAnswer":
         """From what the models answer; ``path``: of the file that the ``description`` is from.
 
         ``more_notes``: beside those of the command.
         """
-        problem = demand.problem
-        rows, found = demanded_rows(demand, limit, static)
-        notes = [*more_notes, *structure_notes(problem, description)]
-        verdict = "" if found is None else str(found)
-        views = Views.of(path, description, problem, limit, static, notes, verdict)
+        demand, _, static = solved
+        notes = [*more_notes, *structure_notes(demand.problem, description)]
+        verdict = "" if demand.newtons is None else str(solved.verdict)
+        views = Views.of(path, description, solved, notes, verdict)
         counts = static.counts.name if isinstance(static, StaticAnswer) else None
-        return cls(description, views, rows, counts)
+        return cls(description, views, structure_rows(solved), counts)
 
     @property
     def told(self) -> dict[str, Figure]:
@@ -106,13 +105,13 @@ def demand(chosen: Chosen) -> Demand:
 
 
 @lru_cache(maxsize=KEPT)
-def limit(chosen: Chosen) -> LimitState | CapacityError | None:
+def limit(chosen: Chosen) -> Limit:
     """Limit analysis of an example, on the cells of its file."""
     return limit_of(demand(chosen).problem)
 
 
 @lru_cache(maxsize=KEPT)
-def static(chosen: Chosen) -> StaticAnswer | CapacityError:
+def static(chosen: Chosen) -> Static:
     """The static model of an example, as `multilock assembly` has it."""
     return static_of(demand(chosen).problem, limit(chosen))
 
@@ -120,8 +119,8 @@ def static(chosen: Chosen) -> StaticAnswer | CapacityError:
 @lru_cache(maxsize=KEPT)
 def answered(chosen: Chosen) -> StructureAnswer:
     """What the command says of an example."""
-    parts = demand(chosen), limit(chosen), static(chosen)
-    return StructureAnswer.of(chosen.path, chosen.description, *parts)
+    solved = Solved(demand(chosen), limit(chosen), static(chosen))
+    return StructureAnswer.of(chosen.path, chosen.description, solved)
 
 
 STAGES = (limit, static, answered)  # what an answer needs, in this order
@@ -240,15 +239,13 @@ def _opened(path: Path) -> OpenedFile:
         )
     if isinstance(demand.problem.loads, SupportMotion):
         raise ValueError("load.support: is for multilock assembly only; use another load here")
-    limit: LimitState | CapacityError | None
     if demand.case is None:
-        limit = limit_of(demand.problem)
-        static = static_of(demand.problem, limit)
+        solved = Solved.of(demand)
     else:
-        _, words, _, (demand, limit, static) = case_rows(demands)
-        name, notes = f"{path.name} --case {shlex.quote(str(demand.case))}", [f"{words}."]
-    answer = StructureAnswer.of(path, description, demand, limit, static, notes)
-    return OpenedFile(name, answer)
+        _, words, _, solved = case_rows(demands)
+        name = f"{path.name} --case {shlex.quote(str(solved.demand.case))}"
+        notes = [f"{words}."]
+    return OpenedFile(name, StructureAnswer.of(path, description, solved, notes))
 
 
 def _written(file: SentFile, folder: Path) -> Path:

@@ -1,22 +1,21 @@
 """What the command `assembly` prints and writes: loads, forces, verdicts and reserves."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import click
 
-from sidmacib.answers.structure_paths import StaticAnswer
-from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all, verdict
+from sidmacib.answers.verdict import governing, lower_first, on_all
 from sidmacib.command.answers import Row
-from sidmacib.command.output import say, text_of
+from sidmacib.command.output import require_answer, say, text_of
 from sidmacib.command.structures import (
-    Tell,
+    Solved,
     curve_rows,
     force_rows,
     limit_of,
-    stands_turned,
+    note_turned,
     static_of,
     structure_notes,
     structure_rows,
@@ -27,8 +26,8 @@ from sidmacib.command.structures import (
 from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Kind, Vector
 from sidmacib.mechanics.crushing import crushed_faces
-from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import Problem
+from sidmacib.structure.analysis.limit import LimitTilt
 from sidmacib.structure.analysis.reserve import Push, Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand, demands_of
@@ -36,18 +35,20 @@ from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
 from sidmacib.validation import refused
 
 ALONG_X: Vector = (1.0, 0.0, 0.0)
-Answered = tuple[Sequence[Row] | None, bool]
+NO_LIMIT = "no limit: more than 100"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What is asked for.
+    """What is asked for of the ``description`` in a ``file``.
 
     ``form``: of the table; ``interfaces``: their forces in place of loads; ``case``: one load case;
     ``without_load``: the reserve in place of the file's loads; ``engines``: others that are asked
-    where a support moves; and the files to be written.
+    where a support moves; and the files to be written. ``notes``: on what looks wrong.
     """
 
+    file: Path
+    description: Any
     form: str
     interfaces: bool
     case: str | None
@@ -58,6 +59,7 @@ class Wanted:
     report: Path | None
     note: Path | None
     engines: Sequence[str]
+    notes: Sequence[str] = ()
 
     @property
     def still(self) -> Path | None:
@@ -69,6 +71,13 @@ class Wanted:
         """Whether a page, a picture or a note is asked for."""
         return any(path is not None for path in (self.report, self.still, self.note))
 
+    def draw(self, rows: Sequence[Row], solved: Solved, verdict: str) -> None:
+        """Write the page, the picture and the note that are asked for."""
+        from sidmacib.command.structure_views import Views
+
+        views = Views.of(self.file, self.description, solved, self.notes, verdict)
+        views.write(rows, self.report, self.still, self.note)
+
     def refuse(self, words: str, *names: str) -> None:
         """`click.UsageError` in these ``words`` for the first of these options that is given."""
         for name in names:
@@ -76,54 +85,46 @@ class Wanted:
                 raise click.UsageError(f"--{name.replace('_', '-')}: {words}")
 
 
-def answered(file: Path, description: Any, wanted: Wanted) -> Answered:
-    """Print and write what is wanted of a ``description`` in a ``file``.
+def passes(wanted: Wanted) -> bool:
+    """Print and write what is ``wanted``; False if the verdict is no.
 
-    Returns rows, at least one of which must have a number, or None; and whether the verdict is yes.
+    Ends with status 1 where there is neither a verdict nor a number.
     """
     if wanted.without_load:
         wanted.refuse("must not be given beside --reserve, which leaves out all loads", "case")
-        description = without_loads(description)
-    demands = demands_of(description, file.parent)
-    if wanted.engines and not isinstance(demands[0].problem.loads, SupportMotion):
+        wanted = replace(wanted, description=without_loads(wanted.description))
+    demands = demands_of(wanted.description, wanted.file.parent)
+    first = demands[0]
+    if wanted.engines and not isinstance(first.problem.loads, SupportMotion):
         raise click.UsageError("--model: is for a support that moves only")
-    notes = structure_notes(demands[0].problem, description)
-    for line in notes:
+    wanted = replace(wanted, notes=structure_notes(first.problem, wanted.description))
+    for line in wanted.notes:
         click.echo(f"Note: {line}", err=True)
     if wanted.case is not None:
-        demands = (chosen_case(demands, wanted.case),)
-    elif not demands[0].raises:
-        return _of_reserve(file, description, demands[0], notes, wanted)
-    elif demands[0].case is not None:
-        return _of_cases(file, description, demands, notes, wanted)
-    if isinstance(demands[0].problem.loads, SupportMotion):
-        return _of_support(file, demands[0], wanted)
-    return _of_load(file, description, demands[0], notes, wanted)
+        first = chosen_case(demands, wanted.case)
+    elif not first.raises:
+        return _reserve_passes(wanted, first)
+    elif first.case is not None:
+        return _cases_pass(wanted, demands)
+    if isinstance(first.problem.loads, SupportMotion):
+        _answer_support(wanted, first.problem)
+        return True
+    return _load_passes(wanted, first)
 
 
-def _note_turned(description: Any, folder: Path) -> None:
-    """Say how blocks that do not stand as they are would."""
-    if key := stands_turned(description, folder):
-        click.echo(f"Note: it stands with {key}", err=True)
-
-
-def _of_cases(
-    file: Path, description: Any, demands: Sequence[Demand], notes: Sequence[str], wanted: Wanted
-) -> Answered:
+def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
     """The verdict on all load cases; the one that governs is drawn and noted."""
     others = "interfaces", "compas", "capacity_curve"
     wanted.refuse("needs --case, as the file has load_cases", *others)
-    rows, words, passes, (demand, limit, static) = case_rows(demands)
+    rows, words, passes, governs = case_rows(demands)
     say(words, wanted.form)
     click.echo(text_of(rows, wanted.form))
     if wanted.draws:
-        _draw(wanted, rows, file, description, demand.problem, limit, static, notes, words)
-    return None, passes
+        wanted.draw(rows, governs, words)
+    return passes
 
 
-def _of_reserve(
-    file: Path, description: Any, demand: Demand, notes: Sequence[str], wanted: Wanted
-) -> Answered:
+def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
     """What there is in reserve without a load; drawn under the acceleration that fells it first."""
     wanted.refuse("needs a load", "interfaces", "compas", "capacity_curve")
     rows, words, passes, weakest = reserve_rows(demand.problem)
@@ -132,85 +133,55 @@ def _of_reserve(
     if wanted.draws:
         assembly, loads = demand.problem
         assert isinstance(loads, StructureLoads), "loads of a structure"
-        problem = Problem(assembly, pushed(assembly, loads, weakest))
-        limit = limit_of(problem)
-        static = static_of(problem, limit)
-        _draw(wanted, rows, file, description, problem, limit, static, notes, words)
+        solved = Solved.of(Demand(Problem(assembly, pushed(assembly, loads, weakest))))
+        wanted.draw(rows, solved, words)
     if not passes:
-        _note_turned(description, file.parent)
-    return None, passes
+        note_turned(wanted.description, wanted.file.parent)
+    return passes
 
 
-def _of_support(file: Path, demand: Demand, wanted: Wanted) -> Answered:
+def _answer_support(wanted: Wanted, problem: Problem) -> None:
     others = "interfaces", "compas", "report", "note"
     wanted.refuse("must not be given where a support moves", *others)
-    rows, moves = support_rows(demand.problem, "yade" in wanted.engines)
+    rows, moves = support_rows(problem, "yade" in wanted.engines)
     click.echo(text_of(rows, wanted.form))
-    write_curve(moves, file.stem, wanted.capacity_curve, wanted.picture)
-    return None, True
+    write_curve(moves, wanted.file.stem, wanted.capacity_curve, wanted.picture)
 
 
-def _of_load(
-    file: Path, description: Any, demand: Demand, notes: Sequence[str], wanted: Wanted
-) -> Answered:
-    problem, passes, words = demand.problem, True, ""
+def _load_passes(wanted: Wanted, demand: Demand) -> bool:
+    """Loads, and the verdict if one is to be carried; or forces of interfaces."""
+    problem, verdict = demand.problem, None
     rows: list[Row] = []
-    asked = wanted.draws or not wanted.interfaces
     tell = telling(problem)
-    limit = limit_of(problem, tell) if asked or wanted.compas is not None else None
+    limit = limit_of(problem, tell)
     if isinstance(limit, InfeasibleError):
-        _note_turned(description, file.parent)
-    static = static_of(problem, limit, tell)
-    if asked:
-        rows, found = demanded_rows(demand, limit, static, tell)
-        if found is not None:
-            passes, words = found.passes, str(found)
-            say(words, wanted.form)
+        note_turned(wanted.description, wanted.file.parent)
+    solved = Solved(demand, limit, static_of(problem, limit, tell))
+    if wanted.draws or not wanted.interfaces:
+        rows = structure_rows(solved, tell)
+        if demand.newtons is not None:
+            verdict = solved.verdict
+            say(str(verdict), wanted.form)
     shown = rows
     if wanted.interfaces:
-        if isinstance(static, CapacityError):
-            raise static
-        shown = force_rows(static)
+        if isinstance(solved.static, CapacityError):
+            raise solved.static
+        shown = force_rows(solved.static)
     click.echo(text_of(shown, wanted.form))
     if wanted.compas is not None:
         from sidmacib.structure.files.compas_results import write_compas_results
 
-        write_compas_results(problem, file, wanted.compas, limit)
+        found = None if isinstance(limit, LimitTilt) else limit
+        write_compas_results(problem, wanted.file, wanted.compas, found)
     if wanted.draws:
-        _draw(wanted, rows, file, description, problem, limit, static, notes, words)
+        wanted.draw(rows, solved, str(verdict or ""))
     if wanted.capacity_curve is not None:
         moves, end = curve_rows(problem)
         click.echo(f"Capacity curve: {end}.", err=True)
-        write_curve(moves, file.stem, wanted.capacity_curve, wanted.picture)
-    return None if words else shown, passes  # the verdict is an answer, also without a number
-
-
-def _draw(wanted: Wanted, rows: Sequence[Row], *of: Any) -> None:
-    """Write the page, the picture and the note that are ``wanted``; ``of``: see `Views.of`."""
-    from sidmacib.command.structure_views import Views
-
-    Views.of(*of).write(rows, wanted.report, wanted.still, wanted.note)
-
-
-def demanded_rows(
-    demand: Demand,
-    limit: LimitState | CapacityError | None,
-    static: StaticAnswer | CapacityError,
-    tell: Tell = str,
-) -> tuple[list[Row], Verdict | None]:
-    """`structure_rows`, and the verdict where a load is to be carried."""
-    rows = structure_rows(demand, limit, static, tell)
-    if demand.newtons is None or limit is None:
-        return rows, None
-    return rows, verdict(demand.newtons, static, limit)
-
-
-class Solved(NamedTuple):
-    """What limit analysis and the static model answer for a ``demand``."""
-
-    demand: Demand
-    limit: LimitState | CapacityError
-    static: StaticAnswer | CapacityError
+        write_curve(moves, wanted.file.stem, wanted.capacity_curve, wanted.picture)
+    if verdict is None:
+        require_answer(shown)
+    return verdict is None or verdict.passes
 
 
 def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool, Solved]:
@@ -218,18 +189,13 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool, Solved]:
 
     And the case that governs.
     """
-    solved, found = [], []
-    for demand in demands:
-        assert demand.newtons is not None, "a load case says what is to be carried"
-        limit = limit_of(demand.problem)
-        assert limit is not None, "no load case tilts a structure"
-        static = static_of(demand.problem, limit)
-        solved.append(Solved(demand, limit, static))
-        found.append(verdict(demand.newtons, static, limit))
+    solved = [Solved.of(demand) for demand in demands]
+    found = [each.verdict for each in solved]
+    names = [str(demand.case) for demand in demands]
     first = governing(found)
     rows: list[Row] = [
         {
-            "case": answer.demand.case,
+            "case": name,
             "required (N)": each.newtons,
             "carried": "yes" if each.passes else "no",
             "factor": each.factor,
@@ -237,13 +203,12 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool, Solved]:
             "to peak": each.peak,
             "to limit": each.limit,
             "mesh error / load": getattr(answer.static, "mesh_error", None),
-            "governs": "yes" if number == first else "",
+            "governs": "yes" if each is found[first] else "",
             "note": each.note or each.words,
         }
-        for number, (answer, each) in enumerate(zip(solved, found, strict=True))
+        for name, answer, each in zip(names, solved, found, strict=True)
     ]
-    words = on_all([str(demand.case) for demand in demands], found)
-    return rows, words, all(each.passes for each in found), solved[first]
+    return rows, on_all(names, found), all(each.passes for each in found), solved[first]
 
 
 def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
@@ -251,57 +216,55 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
 
     And the direction of the acceleration that fells it first, or x.
     """
+
+    def table(*cells: tuple[str, str, float | None, str]) -> list[Row]:
+        head = "model", "reserve", "value", "note"
+        return [dict(zip(head, each, strict=True)) for each in cells]
+
     try:
         found = reserve(problem, telling(problem))
     except CapacityError as error:
-        words, falls = str(error), isinstance(error, InfeasibleError)
-        said = f"{'No' if falls else 'No answer'}: {lower_first(words)}"
-        return [_reserve_row("limit", "stands", None, words)], said, False, ALONG_X
-    rows = [
-        _reserve_row(
-            "limit", "geometrical safety factor", found.factor, _factor_note(problem, found.factor)
-        )
-    ]
+        said = "No" if isinstance(error, InfeasibleError) else "No answer"
+        rows = table(("limit", "stands", None, str(error)))
+        return rows, f"{said}: {lower_first(str(error))}", False, ALONG_X
+    note = _factor_note(problem, found.factor)
+    cells = [("limit", "geometrical safety factor", found.factor, note)]
     if crushed_faces(problem.assembly):
-        note = "strength of the blocks over the strength needed"
-        note = note if found.strength else "no limit: more than 100"
-        rows.append(_reserve_row("limit", "factor of compressive strengths", found.strength, note))
-    least = [] if found.least is None else [("least", found.least)]
-    axes = [("", push) for push in found.tried if 1.0 in map(abs, push.direction)]
-    for name, push in (*least, *axes):
-        tilt = "" if push.tilt is None else f"a tilt of {push.tilt:.4g} degrees; "
-        note = f"{tilt}largest displacement: {moves_most(problem.assembly, push.mechanism)}"
-        what = f"{name} horizontal acceleration (g), towards {_way(push)}".lstrip()
-        rows.append(_reserve_row("limit", what, push.acceleration, note))
-    rows.append(_reserve_row("static", "stands", None, found.static or "in equilibrium"))
-    weakest = ALONG_X if found.least is None else found.least.direction
+        note = "strength of the blocks over the strength needed" if found.strength else NO_LIMIT
+        cells.append(("limit", "factor of compressive strengths", found.strength, note))
+    pushes = [push for push in found.tried if 1.0 in map(abs, push.direction)]
+    named = [("least horizontal", found.least), *(("horizontal", push) for push in pushes)]
+    for name, push in named:
+        if push is not None:
+            tilt = "" if push.tilt is None else f"a tilt of {push.tilt:.4g} degrees; "
+            note = f"{tilt}largest displacement: {moves_most(problem.assembly, push.mechanism)}"
+            what = f"{name} acceleration (g), towards {_way(push)}"
+            cells.append(("limit", what, push.acceleration, note))
+    cells.append(("static", "stands", None, found.static or "in equilibrium"))
+    words = f"Yes: {_stands(found)}"
     if found.falls:
-        return rows, f"No: {lower_first(found.static)} in the static model", False, weakest
-    return rows, f"Yes: {_stands(found)}", True, weakest
-
-
-def _reserve_row(model: str, what: str, value: float | None, note: str) -> Row:
-    return {"model": model, "reserve": what, "value": value, "note": note}
+        words = f"No: {lower_first(found.static)} in the static model"
+    weakest = ALONG_X if found.least is None else found.least.direction
+    return table(*cells), words, not found.falls, weakest
 
 
 def _factor_note(problem: Problem, factor: float | None) -> str:
     if factor is not None:
         return "thickness of the interfaces over the least with which it stands"
     if all(face.kind is Kind.DRY for face in problem.assembly.faces):
-        return "no limit: more than 100"
+        return NO_LIMIT
     return "for dry interfaces only"
 
 
 def _stands(found: Reserve) -> str:
-    words = "it stands"
+    words, push = "it stands", found.least
     if found.factor is not None:
         words += f", with a geometrical safety factor of {found.factor:.3g}"
-    push = found.least
     if push is None:
         words += (
             "; no horizontal acceleration fells it in limit analysis, which wedges blocks that "
+            "slide; for the static model's answer, give an acceleration as the load"
         )
-        words += "slide; for the static model's answer, give an acceleration as the load"
     else:
         tilt = "" if push.tilt is None else f", a tilt of {push.tilt:.3g} degrees"
         words += f"; it falls at {push.acceleration:.3g} g towards {_way(push)}{tilt}"

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ from sidmacib.command.options import (
 )
 from sidmacib.command.output import (
     refused_in_one_line,
-    require_answer,
     status_line,
     text_of,
 )
@@ -92,20 +92,7 @@ GAP = Number(at_least=0, unit="m")
 )
 @note_option
 @format_option
-def assembly(
-    file: Path,
-    interfaces: bool,
-    compas: Path | None,
-    capacity_curve: Path | None,
-    picture: Path | None,
-    report: Path | None,
-    note: Path | None,
-    case: str | None,
-    without_load: bool,
-    form: str,
-    engines: tuple[str, ...],
-    **options: Any,
-) -> None:
+def assembly(file: Path, **options: Any) -> None:
     """Compute the load capacity of a block structure.
 
     FILE describes the blocks, the interfaces and the load in YAML, or has the blocks: OBJ, STL,
@@ -123,33 +110,21 @@ def assembly(
     1 if no model has a result, or if the verdict is no.
     """
     with refused_in_one_line():
-        from sidmacib.command.assembly import Wanted, answered
+        from sidmacib.command.assembly import Wanted, passes
         from sidmacib.command.structures import added_keys
+        from sidmacib.scene.page import plotly_js
         from sidmacib.structure.files.structure_file import description_in
 
-        files = compas, capacity_curve, picture, report, note
-        wanted = Wanted(form, interfaces, case, without_load, *files, engines)
-        if report is not None:
-            _require_plotly()
+        own = {each.name: options.pop(each.name) for each in fields(Wanted) if each.name in options}
+        if own["report"] is not None:
+            plotly_js()  # what is missing is said before the answer is computed
         description = description_in(
             file,
             added_keys(**options),
             lambda name: click.echo(f"Note: {name} is not read, as it has blocks itself", err=True),
         )
-        rows, passes = answered(file, description, wanted)
-    if rows is not None:
-        require_answer(rows)
-    if not passes:
-        sys.exit(1)
-
-
-def _require_plotly() -> None:
-    from sidmacib.scene.page import plotly_js
-
-    try:
-        plotly_js()
-    except ValueError as error:
-        raise click.UsageError(f"--report: {error}") from None
+        if not passes(Wanted(file=file, description=description, **own)):
+            sys.exit(1)
 
 
 @click.command(cls=Command)

@@ -4,7 +4,6 @@ import io
 import math
 import shlex
 import sys
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,11 +15,11 @@ import yaml
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import cell, draw, in_asked_units, in_asked_words, write_text
+from sidmacib.command.structures import Limit, Solved, Static
 from sidmacib.drawing import write_figure
 from sidmacib.errors import CapacityError, NoEquilibriumError
-from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece
+from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece, Vector
 from sidmacib.mechanics.crushing import crushed_faces, strength_of
-from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, number_of, some_of
@@ -58,36 +57,24 @@ class Views:
 
     @classmethod
     def of(
-        cls,
-        file: Path,
-        description: Any,
-        problem: Problem,
-        limit: LimitState | CapacityError | None,
-        static: StaticAnswer | CapacityError,
-        notes: Sequence[str],
-        verdict: str = "",
+        cls, file: Path, description: Any, solved: Solved, notes: Sequence[str], verdict: str = ""
     ) -> "Views":
-        """From what the models answer; ``limit``: None where gravity turns.
-
-        ``verdict``: on a load that is to be carried, if there is one.
-        """
+        """From what the models answer; ``verdict``: on a load to be carried, if there is one."""
+        problem, static = solved.demand.problem, solved.static
         weight = None if problem.loads.axis is not None else free_weight(problem.assembly)
-        by_limit = _limit(problem, limit)
+        models = [_drawn("static", problem, static), _drawn("limit", problem, solved.limit)]
         if isinstance(static, StaticAnswer):
-            found = Drawn("static", problem, structure_static.outcome_of(problem, static))
             answer = _answer_words(static, weight)
         else:
-            found = Drawn("static", problem, error=reason(static))
+            models.reverse()
             answer = f"static model: {reason(static)}"
-            if by_limit.load is not None and not isinstance(static, NoEquilibriumError):
-                answer = f"limit analysis: {_load_words(by_limit.load, weight)}; {answer}"
-        drawn = [found, by_limit]
-        if found.outcome is None:
-            drawn.reverse()
+            load = models[0].load
+            if load is not None and not isinstance(static, NoEquilibriumError):
+                answer = f"limit analysis: {_load_words(load, weight)}; {answer}"
         shape = shape_of(problem.assembly, with_condensed_locks(description, file.parent))
         words = " ".join(f"{each[0].upper()}{each[1:]}." for each in (verdict, answer) if each)
         return cls(
-            file.stem, problem, in_asked_words(words), notes, drawn, shape, _given(description)
+            file.stem, problem, in_asked_words(words), notes, models, shape, _given(description)
         )
 
     @property
@@ -174,35 +161,40 @@ def _answer_words(answer: StaticAnswer, weight: float | None) -> str:
     return f"{ends} at {at}; failure mode: {answer.mode}"
 
 
-def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:
-    try:
-        if limit is None:
-            return Drawn("limit", problem, structure_limit.solve(problem))
-    except CapacityError as error:
-        limit = error
-    if isinstance(limit, CapacityError):
-        return Drawn("limit", problem, error=reason(limit))
-    return Drawn("limit", problem, structure_limit.outcome_of(problem, limit))
+def _drawn(model: str, problem: Problem, found: Static | Limit) -> Drawn:
+    if isinstance(found, CapacityError):
+        return Drawn(model, problem, error=reason(found))
+    of: Any = structure_static if model == "static" else structure_limit
+    return Drawn(model, problem, of.outcome_of(problem, found))
 
 
 def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
     """The note in HTML; ``rows``: the table that is printed; ``command``: what it was made by."""
+    from sidmacib.scene.picture import picture
+
     drawn, assembly = views.models[0], views.problem.assembly
+    svg = io.StringIO()
+    write_figure(picture(drawn, views.shape, "", WIDTH), svg)
+    forces_of = "no model has an answer"
+    if drawn.load is not None:
+        forces_of = f"{MODELS[drawn.model].label}; {in_asked_words(drawn.load_words)}"
+    unit = "N" if views.problem.loads.axis is None else "degrees"
+    failing = [f"{name} ({load:.4g} {unit})" for name, load in drawn.failing]
     asked, laws = in_asked_units(rows), [*_laws(drawn.assembly.faces)]
     return rendered(
         TEMPLATE,
         title=f"Calculation note: structure {views.title}",
         views=views,
         drawn=drawn,
-        drawing=_drawing(views),
+        drawing=svg.getvalue().partition("<svg")[2],
         blocks=[*_blocks(assembly.pieces[:MOST_ROWS])],
         more_blocks=len(assembly.pieces) - MOST_ROWS,
         laws=laws,
         kinds={kind for kind, *_ in laws},
         head=asked[0],
         rows=[map(cell, row.values()) for row in asked],
-        failing=_failing(views),
-        forces_of=_what(drawn),
+        failing=in_asked_words(some_of(failing, MOST_ROWS)),
+        forces_of=forces_of,
         reactions=[*_reactions(drawn)],
         used=_used(drawn),
         checks=[*_checks(views, rows)],
@@ -210,16 +202,6 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
         load=in_asked_words(load_of(views.problem)),
         command=command,
     )
-
-
-def _drawing(views: Views) -> str:
-    """The picture as SVG, the same for the same input."""
-    from sidmacib.scene.picture import picture
-
-    stream = io.StringIO()
-    write_figure(picture(views.models[0], views.shape, "", WIDTH), stream)
-    text = stream.getvalue()
-    return text[text.index("<svg") :]
 
 
 def _blocks(pieces: Iterable[Piece]) -> Iterator[Cells]:
@@ -233,17 +215,14 @@ def _blocks(pieces: Iterable[Piece]) -> Iterator[Cells]:
 
 def _laws(faces: Iterable[Face]) -> Iterator[Cells]:
     """Each law with the number and the area of its interfaces."""
-    count: Counter[tuple[Kind, FaceMaterial, float | None]] = Counter()
-    area: dict[tuple[Kind, FaceMaterial, float | None], float] = {}
+    areas: dict[tuple[Kind, FaceMaterial, float | None], list[float]] = {}
     for face in faces:
-        key = face.kind, face.material, strength_of(face)
-        count[key] += 1
-        area[key] = area.get(key, 0.0) + face.area
-    for (kind, law, strength), number in count.items():
+        areas.setdefault((face.kind, face.material, strength_of(face)), []).append(face.area)
+    for (kind, law, strength), own in areas.items():
         yield (
-            KINDS.get(kind, str(kind)),
-            number,
-            f"{area[kind, law, strength]:.4g}",
+            KINDS[kind],
+            len(own),
+            f"{sum(own):.4g}",
             f"{law.friction:.4g}",
             f"{law.cohesion / 1e3:.4g}",
             f"{law.tensile_strength / 1e3:.4g}",
@@ -252,36 +231,19 @@ def _laws(faces: Iterable[Face]) -> Iterator[Cells]:
         )
 
 
-def _failing(views: Views) -> str:
-    """The order in which bonds fail, in words; nothing if none does."""
-    order, unit = views.models[0].failing, "N" if views.problem.loads.axis is None else "degrees"
-    told = [f"{name} ({load:.4g} {unit})" for name, load in order]
-    return in_asked_words(some_of(told, MOST_ROWS))
-
-
-def _what(drawn: Drawn) -> str:
-    """Model and load of the forces that follow."""
-    if drawn.load is None:
-        return "no model has an answer"
-    name = {"static": "static model", "limit": "limit analysis"}[drawn.model]
-    return f"{name}; {in_asked_words(drawn.load_words)}"
-
-
 def _reactions(drawn: Drawn) -> Iterator[Cells]:
     """Reactions, and their sum; none of a model without forces."""
     if not drawn.reactions:
         return
     least = 1e-6 * max(float(np.linalg.norm(each.force)) for each in drawn.reactions)
+
+    def cells(force: Vector) -> list[str]:
+        return [cell(value if abs(value) > least else 0.0) for value in force]
+
     for each in drawn.reactions[:MOST_ROWS]:
-        forces = (_number(value, least) for value in each.force)
         at = ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in each.at) if each.at else "-"
-        yield each.support, *forces, at
-    forces = (_number(value, least) for value in total(drawn.reactions))
-    yield f"all {len(drawn.reactions)}", *forces, ""
-
-
-def _number(value: float, least: float) -> str:
-    return cell(value if abs(value) > least else 0.0)
+        yield each.support, *cells(each.force), at
+    yield f"all {len(drawn.reactions)}", *cells(total(drawn.reactions)), ""
 
 
 def _used(drawn: Drawn) -> list[Cells]:

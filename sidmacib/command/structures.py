@@ -3,13 +3,13 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import StaticAnswer
-from sidmacib.answers.verdict import lower_first
+from sidmacib.answers.verdict import Verdict, lower_first, verdict
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY
@@ -17,11 +17,12 @@ from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
+from sidmacib.models import structure_limit
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.kinematics import capacity_curve
-from sidmacib.structure.analysis.limit import assumes, limit_mesh_error, limit_state, limit_tilt
+from sidmacib.structure.analysis.limit import LimitTilt, assumes, limit_mesh_error
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.supports import joints_in_words, support_answers
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
@@ -39,6 +40,8 @@ MOST = 6  # names in a note
 LARGE = 2000  # contact nodes of a structure: of a larger one, results are told as they come
 
 Tell = Callable[[str], object]
+Limit = LimitState | LimitTilt | CapacityError
+Static = StaticAnswer | CapacityError
 
 
 def added_keys(
@@ -74,8 +77,8 @@ def structure_notes(problem: Problem, description: Any) -> list[str]:
     return notes
 
 
-def stands_turned(description: Mapping[str, Any], folder: Path) -> str:
-    """The key by which blocks of files stand, though they do not as they are, or nothing."""
+def note_turned(description: Mapping[str, Any], folder: Path) -> None:
+    """Say by which key blocks of files stand, if they do not as they are but do turned."""
     blocks = description["blocks"]
     files = {name: each for name, each in blocks.items() if "file" in each and "up" not in each}
     for up in ("y", "x") if files else ():
@@ -85,8 +88,8 @@ def stands_turned(description: Mapping[str, Any], folder: Path) -> str:
             require_standing(*demands[0].problem, friction=True)
         except (ValueError, CapacityError):
             continue
-        return f"up: {up} (on the command line --up {up})"
-    return ""
+        click.echo(f"Note: it stands with up: {up} (on the command line --up {up})", err=True)
+        return
 
 
 def telling(problem: Problem) -> Tell:
@@ -96,46 +99,59 @@ def telling(problem: Problem) -> Tell:
     return lambda words: click.echo(words, err=True)
 
 
-def limit_of(problem: Problem, tell: Tell = str) -> LimitState | CapacityError | None:
-    """Limit analysis with friction, or why it has no answer; None if gravity turns."""
-    if problem.loads.axis is not None:
-        return None
+def limit_of(problem: Problem, tell: Tell = str) -> Limit:
+    """What limit analysis with friction finds, or why it has no answer."""
     assembly = problem.assembly
     free = sum(not piece.fixed for piece in assembly.pieces)
     tell(f"{free:,} free blocks, {len(assembly.faces):,} contact faces: limit analysis ...")
     try:
-        found = limit_state(*problem)
+        found = structure_limit.found_for(problem)
     except CapacityError as error:
         return error
-    share = found.load / free_weight(assembly)
-    tell(f"limit: {four_digits(found.load)} N, {share:.4g} of the weight")
+    if isinstance(found, LimitState):
+        share = found.load / free_weight(assembly)
+        tell(f"limit: {four_digits(found.load)} N, {share:.4g} of the weight")
     return found
 
 
-def static_of(
-    problem: Problem, limit: LimitState | CapacityError | None, tell: Tell = str
-) -> StaticAnswer | CapacityError:
-    """The answer of the static model, or why it has none; ``limit``: by `limit_of`."""
+def static_of(problem: Problem, limit: Limit | None, tell: Tell = str) -> Static:
+    """The answer of the static model, or why it has none; ``limit``: by `limit_of`, if known."""
     tell("static model ...")
     try:
-        return static_answer(problem, limit)
+        return static_answer(problem, None if isinstance(limit, LimitTilt) else limit)
     except CapacityError as error:
         tell(f"static: no answer: {reason(error)}")
         return error
 
 
-def structure_rows(
-    demand: Demand,
-    limit: LimitState | CapacityError | None,
-    static: StaticAnswer | CapacityError,
-    tell: Tell,
-) -> list[Row]:
+class Solved(NamedTuple):
+    """What limit analysis and the static model answer for a ``demand``."""
+
+    demand: Demand
+    limit: Limit
+    static: Static
+
+    @classmethod
+    def of(cls, demand: Demand) -> "Solved":
+        """By `limit_of` and `static_of`."""
+        limit = limit_of(demand.problem)
+        return cls(demand, limit, static_of(demand.problem, limit))
+
+    @property
+    def verdict(self) -> Verdict:
+        """On the load that is to be carried; only where the demand says how much that is."""
+        newtons, limit = self.demand.newtons, self.limit
+        assert newtons is not None and not isinstance(limit, LimitTilt)
+        return verdict(newtons, self.static, limit)
+
+
+def structure_rows(solved: Solved, tell: Tell = str) -> list[Row]:
     """Capacity of a structure by each model: loads, or angles if gravity turns.
 
-    With factors where a load is to be carried. ``limit`` and ``static``: by `limit_of` and
-    `static_of`.
+    With factors where a load is to be carried.
     """
-    of_limit = [*(_limit_tilt(demand) if limit is None else _limits(demand, limit, tell))]
+    demand, limit, static = solved
+    of_limit = [*_limits(demand, limit, tell)]
     if isinstance(static, NoEquilibriumError):
         for row in of_limit:
             if row.get("load (N)", row.get("tilt (degrees)")) is not None:
@@ -158,30 +174,19 @@ def force_rows(answer: StaticAnswer) -> list[Row]:
     ]
 
 
-def _crushed(problem: Problem, limit: LimitState) -> str:
-    """Which interfaces limit analysis presses to the compressive strength, in words."""
-    use = crushing_use(problem.assembly, limit.force[None, :, 0])
-    names = [problem.assembly.faces[number].name for number, of in use.items() if of[0] > FULL]
-    return f"crushed: {some_of(names, MOST)}" if names else ""
-
-
-def _torque(limit: LimitState) -> str:
-    """That torque limits the load, in words, and the load without that limit."""
-    if limit.untwisted is None or four_digits(limit.untwisted) == four_digits(limit.load):
-        return ""
-    others = "no limit" if math.isinf(limit.untwisted) else f"{four_digits(limit.untwisted)} N"
-    return f"limited by the torque of interfaces ({others} without)"
-
-
-def _limits(demand: Demand, limit: LimitState | CapacityError, tell: Tell) -> Iterator[Row]:
+def _limits(demand: Demand, limit: Limit, tell: Tell) -> Iterator[Row]:
     if isinstance(limit, CapacityError):
         yield _row(demand, "limit", None, reason(limit))
         return
-    problem = demand.problem
-    moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
-    notes = assumes(problem.assembly), _torque(limit), _crushed(problem, limit), moves
-    note, error = "; ".join(filter(None, notes)), limit_mesh_error(problem, limit.load)
-    yield _row(demand, "limit", limit.load, note, error)
+    problem, note = demand.problem, "in equilibrium at every tilt"
+    if limit.mechanism is not None:
+        moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
+        limited = _limited_by(problem, limit) if isinstance(limit, LimitState) else ()
+        note = "; ".join((assumes(problem.assembly), *limited, moves))
+    load = limit.load if isinstance(limit, LimitState) else limit.angle
+    yield _row(demand, "limit", load, note, limit_mesh_error(problem, load))
+    if isinstance(limit, LimitTilt):
+        return
     tell("limit analysis without dilation ...")
     try:
         with naming_permanent(problem.loads):
@@ -191,36 +196,28 @@ def _limits(demand: Demand, limit: LimitState | CapacityError, tell: Tell) -> It
         yield _row(demand, "limit, no dilation", None, reason(failure))
 
 
-def _limit_tilt(demand: Demand) -> Iterator[Row]:
-    assembly, loads = demand.problem
-    try:
-        with naming_permanent(loads):
-            limit = limit_tilt(assembly, Tilt.of(loads))
-        if limit.mechanism is None:
-            note = "in equilibrium at every tilt"
-        else:
-            moves = moves_most(assembly, limit.mechanism)
-            note = f"{assumes(assembly)}; largest displacement: {moves}"
-        error = limit_mesh_error(demand.problem, limit.angle)
-        yield _row(demand, "limit", limit.angle, note, error)
-    except CapacityError as failure:
-        yield _row(demand, "limit", None, reason(failure))
+def _limited_by(problem: Problem, limit: LimitState) -> Iterator[str]:
+    """That torque limits the load, with the load without that; which interfaces are crushed."""
+    untwisted = limit.untwisted
+    if untwisted is not None and four_digits(untwisted) != four_digits(limit.load):
+        others = "no limit" if math.isinf(untwisted) else f"{four_digits(untwisted)} N"
+        yield f"limited by the torque of interfaces ({others} without)"
+    use = crushing_use(problem.assembly, limit.force[None, :, 0])
+    names = [problem.assembly.faces[number].name for number, of in use.items() if of[0] > FULL]
+    if names:
+        yield f"crushed: {some_of(names, MOST)}"
 
 
-def _static(demand: Demand, answer: StaticAnswer | CapacityError) -> Row:
+def _static(demand: Demand, answer: Static) -> Row:
+    """The load that counts, the reason, the end of the peak, and what small displacements miss."""
     if isinstance(answer, CapacityError):
         return _row(demand, "static", None, reason(answer))
-    note = _note(demand.problem, answer)
-    return _row(demand, "static", answer.load, note, answer.mesh_error, answer)
-
-
-def _note(problem: Problem, answer: StaticAnswer) -> str:
-    """The load that counts, the reason, the end of the peak, and what small displacements miss."""
     moves = ""
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
-    rotation = rotation_words(_rotation_effect(problem, answer)) or "small displacements"
-    return f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
+    rotation = rotation_words(_rotation_effect(demand.problem, answer)) or "small displacements"
+    note = f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
+    return _row(demand, "static", answer.load, note, answer.mesh_error, answer)
 
 
 def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
@@ -267,16 +264,15 @@ def curve_rows(problem: Problem) -> tuple[list[Row], str]:
     `CapacityError` if there is none.
     """
     curve, weight = capacity_curve(*problem), free_weight(problem.assembly)
+    points = zip(curve.displacement.tolist(), curve.load.tolist(), curve.rotation, strict=True)
     rows: list[Row] = [
         {
             "displacement (m)": moved,
             "load (N)": load,
             "load / weight": load / weight,
-            "largest rotation (degrees)": turned,
+            "largest rotation (degrees)": float(turned),
         }
-        for moved, load, turned in zip(
-            curve.displacement.tolist(), curve.load.tolist(), curve.rotation.tolist(), strict=True
-        )
+        for moved, load, turned in points
     ]
     joints = joints_in_words(curve.hinges, curve.slides)
     return rows, f"{curve.end} along it; {joints} at the start"
@@ -308,11 +304,8 @@ def support_rows(problem: Problem, yade: bool) -> tuple[list[Row], list[Row]]:
     ]
     if isinstance(path, CapacityError):
         return rows, []
-    curve: list[Row] = [
-        {moved: unit * movement, what: reaction}
-        for movement, reaction in zip(path.movement.tolist(), path.reaction.tolist(), strict=True)
-    ]
-    return rows, curve
+    points = zip((unit * path.movement).tolist(), path.reaction.tolist(), strict=True)
+    return rows, [{moved: movement, what: reaction} for movement, reaction in points]
 
 
 def write_curve(rows: Sequence[Row], title: str, curve: Path | None, picture: Path | None) -> None:
