@@ -21,7 +21,7 @@ from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.static import static_peak
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
-from sidmacib.structure.analysis.tilt import Tilt, static_tilt
+from sidmacib.structure.analysis.tilt import static_tilt
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import refined
 from workflow.case import Case, StructureSubject
@@ -109,7 +109,7 @@ def test_meshes_that_agree_by_chance_are_found_by_limit_analysis(name: str) -> N
     problem = structure_of(TWISTED[name])
     found, fine = static_answer(problem), refined(problem.assembly, 24)
     if name == "tilt":
-        expected = static_tilt(fine, Tilt.of(problem.loads)).angle
+        expected = static_tilt(fine, problem.loads).angle
     else:
         expected = static_peak(fine, problem.loads).peak.load
     assert found.load == pytest.approx(expected, rel=0.006)

@@ -12,7 +12,7 @@ from structures import BLOCK, GROUND, dry, on_ground
 from sidmacib import CapacityCurve, CapacityError, capacity_curve, limit_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats
 from sidmacib.structure.analysis.contacts import Placement
-from sidmacib.structure.analysis.tilt import Tilt, tilting
+from sidmacib.structure.analysis.tilt import tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight, support_moves
 from sidmacib.structure.structure import structure
@@ -211,7 +211,7 @@ def test_bonds_gravity_that_turns_and_moving_supports_have_no_capacity_curve() -
     with pytest.raises(CapacityError, match="ground-block is not dry"):
         capacity_curve(model, acceleration(model, ALONG_X))
     with pytest.raises(CapacityError, match="gravity turns"):
-        capacity_curve(block, tilting(block, Tilt((0.0, 1.0, 0.0))))
+        capacity_curve(block, tilting(block, (0.0, 1.0, 0.0)))
     with pytest.raises(ValueError, match="a support moves"):
         capacity_curve(block, support_moves(block, "ground", ALONG_X))
 

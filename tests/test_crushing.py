@@ -27,7 +27,7 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.crushing import stress_blocks
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import limit_tilt
-from sidmacib.structure.analysis.tilt import Tilt
+from sidmacib.structure.analysis.tilt import tilting
 from sidmacib.structure.files.structure_file import structure_of
 
 PUSH = {"acceleration": [1, 0, 0]}
@@ -96,7 +96,7 @@ def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
 
     exact = math.degrees(brentq(left, 0.0, math.atan(WIDTH / HEIGHT)))
     problem = structure_of(pier({"tilt": {"axis": [0, 1, 0]}}))
-    found = limit_tilt(problem.assembly, Tilt((0, 1, 0))).angle
+    found = limit_tilt(problem.assembly, tilting(problem.assembly, (0, 1, 0))).angle
     assert found == pytest.approx(exact, rel=5e-3)
     assert_both_crush(problem, found)
 

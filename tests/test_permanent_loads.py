@@ -18,7 +18,6 @@ from sidmacib.mechanics.assembly import GRAVITY, Assembly
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.scene.forces import arrows_of, load_of
 from sidmacib.structure.analysis.limit import limit_tilt
-from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.files.loads import PermanentSection, permanent_on
 from sidmacib.structure.files.structure_file import structure_of
@@ -152,7 +151,7 @@ def slides_at(share: float) -> float:
 @pytest.mark.parametrize("permanent", PRESSED)
 def test_a_block_on_a_slope_slides_later_if_it_is_pressed(permanent: dict[str, Any]) -> None:
     problem = structure_of({**CUBE, "permanent": [permanent], "load": SLOPE})
-    limit = limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
+    limit = limit_tilt(*problem).angle
     assert limit == pytest.approx(slides_at(0.4), abs=1e-3)
     answer = static_answer(problem)
     assert answer.load == pytest.approx(slides_at(0.4), rel=1e-3)
@@ -167,7 +166,7 @@ def test_a_force_on_top_of_a_tilted_block_holds_it_by_its_lever() -> None:
     for forces, moment in (((force,), 0.1 * 0.2), ((force, up), 0.1 * 0.2 + 0.05 * 1.0)):
         problem = structure_of({**given, "permanent": [{"force": each} for each in forces]})
         exact = 45.0 + math.degrees(math.asin(2.0 * moment / math.sqrt(2.0)))
-        found = limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
+        found = limit_tilt(*problem).angle
         assert found == pytest.approx(exact, abs=1e-3)
         assert static_answer(problem).load == pytest.approx(exact, rel=2e-3)
 

@@ -23,7 +23,7 @@ from sidmacib.engines.run import EngineNoAnswerError, engine_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.problem import Outcome, Problem
-from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
+from sidmacib.structure.analysis.tilt import static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, support_moves
 from sidmacib.structure.locks import ALL, Condensed, Locks
@@ -73,9 +73,9 @@ def test_leaning_mortar_fails_where_the_static_model_says(engine: str, tmp_path:
 
 @pytest.mark.engine
 def test_a_stack_tilts_as_far_as_the_static_model_says(engine: str, tmp_path: Path) -> None:
-    model, tilt = leaning(MORTAR, 0.0), Tilt((0.2, 1.0, 0.3))
-    expected = static_tilt(model, tilt)
-    problem = Problem(model, tilting(model, tilt))
+    model = leaning(MORTAR, 0.0)
+    problem = Problem(model, tilting(model, (0.2, 1.0, 0.3)))
+    expected = static_tilt(*problem)
     outcome, weight = found(engine, problem, tmp_path), problem.loads.scale
     assert tilt_of_load(outcome.path[-1].load, weight) == pytest.approx(expected.angle, rel=2e-3)
     if outcome.first_failure_load is not None:
@@ -91,7 +91,7 @@ def test_what_never_falls_has_no_critical_tilt(engine: str, tmp_path: Path) -> N
     glued = FaceMaterial(1e10, 1e10, 0.4, cohesion=1e9, tensile_strength=1e9)
     model = leaning(glued, 0.0)
     with pytest.raises(EngineNoAnswerError, match="in equilibrium up to a tilt of 180 degrees"):
-        found(engine, Problem(model, tilting(model, Tilt((0.0, 1.0, 0.0)))), tmp_path)
+        found(engine, Problem(model, tilting(model, (0.0, 1.0, 0.0))), tmp_path)
 
 
 @pytest.mark.engine
@@ -133,7 +133,7 @@ def on_the_ground(width: float, height: float, law: FaceMaterial, far: float = 2
 
 def tilted_until_it_falls(engine: str, model: Assembly, axis: Vector, folder: Path) -> float:
     """The tilt (degrees) at which an engine sees ``model`` fall."""
-    problem = Problem(model, tilting(model, Tilt(axis)))
+    problem = Problem(model, tilting(model, axis))
     return tilt_of_load(found(engine, problem, folder).path[-1].load, problem.loads.scale)
 
 
@@ -225,7 +225,7 @@ def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_
     model = in_a_groove(friction, top)
     expected = math.degrees(math.atan(friction / math.cos(math.radians(30.0))))
     if top:
-        assert static_tilt(model, Tilt((1.0, 0.0, 0.0))).angle < 0.9 * expected
+        assert static_tilt(model, tilting(model, (1.0, 0.0, 0.0))).angle < 0.9 * expected
     angle = tilted_until_it_falls(engine, model, (1.0, 0.0, 0.0), tmp_path)
     assert angle == pytest.approx(expected, abs=0.4)
 
@@ -295,7 +295,7 @@ def test_supports_that_move_are_for_support_paths_only(engine: str, tmp_path: Pa
 
 def test_a_capacity_curve_of_yade_is_one_of_an_acceleration(tmp_path: Path) -> None:
     model = on_the_ground(0.4, 1.0, dry(0.7))
-    tilts = Problem(model, tilting(model, Tilt((0.0, 1.0, 0.0))))
+    tilts = Problem(model, tilting(model, (0.0, 1.0, 0.0)))
     with pytest.raises(EngineNoAnswerError, match="needs an acceleration as the load"):
         engine_curve(tilts, Numerics(), 0.1, tmp_path, 300)
 

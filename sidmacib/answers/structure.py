@@ -41,7 +41,6 @@ from sidmacib.structure.analysis.limit import (
     limit_tilt,
     short_of,
 )
-from sidmacib.structure.analysis.tilt import Tilt
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined
 
@@ -84,9 +83,8 @@ def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | No
     try:
         if loads.axis is None:
             return _limit_load(problem, limit)
-        tilt = Tilt.of(loads)
-        if short_of(assembly, tilt, (1.0 - LOWER) * load) is not None:
-            return limit_tilt(assembly, tilt).angle
+        if short_of(assembly, loads, (1.0 - LOWER) * load) is not None:
+            return limit_tilt(*problem).angle
     except CapacityError:
         pass
     return math.inf
@@ -216,7 +214,7 @@ def _limit_load(problem: Problem, limit: LimitState | CapacityError | None) -> f
     """
     try:
         if problem.loads.axis is not None:
-            return limit_tilt(problem.assembly, Tilt.of(problem.loads)).angle
+            return limit_tilt(*problem).angle
         if isinstance(limit, CapacityError):
             raise limit
         return (limit_state(*problem) if limit is None else limit).load

@@ -22,7 +22,7 @@ from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import structure_mesh_errors
 from sidmacib.problem import Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.tilt import Tilt, static_tilt
+from sidmacib.structure.analysis.tilt import static_tilt
 from sidmacib.structure.structure import refined
 
 HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
@@ -180,7 +180,7 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> Foll
     """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
     try:
         if loads.axis is not None:
-            tilt = static_tilt(assembly, Tilt.of(loads))
+            tilt = static_tilt(assembly, loads)
             failures = Failures(float(tilt.first_failure), float(tilt.angle))
             return FollowedPath(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
         found = (lowest_peak if lowest else static_peak)(assembly, loads)

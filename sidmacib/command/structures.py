@@ -25,7 +25,7 @@ from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import LimitTilt, assumes, limit_mesh_error
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.supports import joints_in_words, support_answers
-from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
+from sidmacib.structure.analysis.tilt import load_of_tilt, moves_most, turning
 from sidmacib.structure.files.loads import load_warnings
 from sidmacib.structure.files.sections import StructureFile
 from sidmacib.structure.files.structure_file import Demand, demands_of
@@ -229,7 +229,7 @@ def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
     if loads.axis is None:
         change = rotation_effect(assembly, loads, path, load)
     else:
-        loads = turning(assembly, Tilt.of(loads), load)
+        loads = turning(loads, load)
         change, load = rotation_effect(assembly, loads, path, 0.0), load_of_tilt(load, loads)
     return None if change is None else change / load
 

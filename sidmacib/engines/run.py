@@ -74,7 +74,7 @@ def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
         else:
             # Imported here: it needs scipy.sparse, which joints do not.
             tilt = importlib.import_module("sidmacib.structure.analysis.tilt")
-            turned = tilt.static_tilt(assembly, tilt.Tilt(loads.axis))
+            turned = tilt.static_tilt(assembly, loads)
             angles = turned.first_failure, turned.angle
             first, peak = (tilt.load_of_tilt(angle, loads) for angle in angles)
     except CapacityError:

@@ -4,7 +4,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
 from sidmacib.structure.analysis.limit import LimitTilt, limit_mesh_error, limit_state, limit_tilt
-from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt
+from sidmacib.structure.analysis.tilt import load_of_tilt
 from sidmacib.structure.loads import naming_permanent
 
 
@@ -19,7 +19,7 @@ def found_for(problem: Problem) -> LimitState | LimitTilt:
     if loads.axis is None:
         return limit_state(assembly, loads)
     with naming_permanent(loads):
-        return limit_tilt(assembly, Tilt.of(loads))
+        return limit_tilt(assembly, loads)
 
 
 def outcome_of(problem: Problem, found: LimitState | LimitTilt) -> Outcome:

@@ -205,13 +205,18 @@ def permanent_force(
     return Permanent.of(len(assembly.pieces), number, arm[None], force[None])
 
 
+def beside_of(loads: Loads) -> Permanent | None:
+    """The part of permanent ``loads`` that is not weight, if there is any."""
+    return loads.beside if isinstance(loads, StructureLoads) else None
+
+
 @contextmanager
 def naming_permanent(loads: Loads) -> Iterator[None]:
     """Say of errors that weight and other permanent ``loads`` cause that it is not weight alone."""
     try:
         yield
     except CapacityError as error:
-        if getattr(loads, "beside", None) is None or ALL in str(error):
+        if beside_of(loads) is None or ALL in str(error):
             raise
         raise type(error)(str(error).replace(OWN, ALL)) from None
 

@@ -15,13 +15,12 @@ import yaml
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import engine_outcome
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import (
     LARGEST,
-    Tilt,
     static_tilt,
     tilt_of_load,
     tilting,
@@ -100,7 +99,7 @@ def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[s
             model = sample_structure(samples, Sample(name, (0, 1), friction))
             for axis in AXES:
                 values = known.get((name, friction, axis), {})
-                tilt = Tilt(AXES[axis])
+                tilt = tilting(model, AXES[axis])
                 static = static_tilt(model, tilt)
                 yield {
                     "sample": name,
@@ -119,9 +118,9 @@ def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[s
                 }
 
 
-def engine_tilt(name: str, model: Assembly, tilt: Tilt) -> float:
+def engine_tilt(name: str, model: Assembly, tilt: Loads) -> float:
     """The critical tilt (degrees) after an engine."""
-    problem = Problem(model, tilting(model, tilt))
+    problem = Problem(model, tilt)
     found = engine_outcome(ENGINES[name], problem, time_limit=TIME_LIMIT)
     return tilt_of_load(found.path[-1].load, problem.loads.scale)
 
@@ -134,7 +133,7 @@ def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str
         for what, change in CHANGES.items():
             sample = Sample(row["sample"], (0, 1), row["friction"])
             model = sample_structure(samples, sample, **change)
-            angle = static_tilt(model, Tilt(AXES[row["axis"]])).angle
+            angle = static_tilt(model, tilting(model, AXES[row["axis"]])).angle
             keys = ("sample", "friction", "axis")
             yield {key: row[key] for key in keys} | {"change": what, "static_degrees": angle}
 
@@ -142,8 +141,8 @@ def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str
 def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
     """Whether each sample stands, and where it ceases to when gravity turns about its axis."""
     for sample in SAMPLES:
-        tilt = Tilt(ABOUT[sample.about])
         model = sample_structure(samples, sample)
+        tilt = tilting(model, ABOUT[sample.about])
         limit = _angle(limit_tilt, model, tilt)
         static = _angle(static_tilt, model, tilt) if sample.small else math.nan
         pyramid = pyramid_tilt(model, tilt) if sample.small else math.nan
@@ -163,16 +162,16 @@ def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
         }
 
 
-def _stands(model: Assembly, tilt: Tilt) -> bool:
+def _stands(model: Assembly, tilt: Loads) -> bool:
     """Whether the static model has an equilibrium before gravity turns."""
     try:
-        RigidSolver(model, turned(model, tilt, 0.0)).start()
+        RigidSolver(model, turned(tilt, 0.0)).start()
     except NoEquilibriumError:
         return False
     return True
 
 
-def _angle(critical: Callable[[Assembly, Tilt], Any], model: Assembly, tilt: Tilt) -> float:
+def _angle(critical: Callable[[Assembly, Loads], Any], model: Assembly, tilt: Loads) -> float:
     """The ``critical`` tilt after a model, degrees; NaN if nothing stands upright."""
     try:
         return float(critical(model, tilt).angle)

@@ -28,11 +28,11 @@ from numba import njit
 from scipy.optimize import linprog
 from scipy.sparse import block_diag, csr_array, diags_array, hstack
 
-from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, free_rows, row_units
 from sidmacib.structure.analysis.limit import SECTOR
-from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned
+from sidmacib.structure.analysis.tilt import LARGEST, turned
 from studies.structures.shapes import HEAVY, Sample
 
 STEP = 0.25  # degrees
@@ -50,7 +50,7 @@ STABLE, UNSTABLE = "stable", "unstable"
 
 
 # --- explicit relaxation -------------------------------------------------------------------------
-def relaxed_tilt(assembly: Assembly, tilt: Tilt, *, finite: bool) -> float:
+def relaxed_tilt(assembly: Assembly, tilt: Loads, *, finite: bool) -> float:
     """The last angle (degrees, in steps of 0.25) at which the only free block comes to rest.
 
     ValueError unless one block is free and every face is dry.
@@ -70,7 +70,7 @@ def relaxed_tilt(assembly: Assembly, tilt: Tilt, *, finite: bool) -> float:
     sign = np.where(above, 1.0, -1.0)
     still = 0.0
     for angle in np.arange(0.0, LARGEST + STEP / 2, STEP).tolist():
-        gravity = block.weight * tilt.gravity(angle)
+        gravity = turned(tilt, angle).permanent[free[0], :3]
         frames = np.ascontiguousarray(face_frames(assembly))
         if not _rests(springs, frames, sign, arms, mass, gravity, assembly.length, finite, state):
             return still
@@ -144,7 +144,7 @@ def _rests(springs, frames, sign, arms, mass, gravity, length, finite, state):
 
 
 # --- rigid-block equilibrium ---------------------------------------------------------------------
-def pyramid_tilt(assembly: Assembly, tilt: Tilt) -> float | None:
+def pyramid_tilt(assembly: Assembly, tilt: Loads) -> float | None:
     """The smallest angle (degrees) beyond which no forces in the pyramids carry gravity.
 
     For dry assemblies and level axes. None if there are none upright.
@@ -161,11 +161,11 @@ def pyramid_tilt(assembly: Assembly, tilt: Tilt) -> float | None:
     return LARGEST
 
 
-def _tangent(assembly: Assembly, tilt: Tilt, begin: float, most: float = math.inf) -> float | None:
+def _tangent(assembly: Assembly, tilt: Loads, begin: float, most: float = math.inf) -> float | None:
     """The largest tangent, at most ``most``, of an angle beyond ``begin`` that is carried."""
     rows, units = free_rows(assembly), row_units(assembly)
-    ahead = turned(assembly, tilt, begin)
-    beside = turned(assembly, tilt, begin + 90.0)
+    ahead = turned(tilt, begin)
+    beside = turned(tilt, begin + 90.0)
     weight, across = (load.permanent.ravel()[rows] / units / load.scale for load in (ahead, beside))
     balance = diags_array(1.0 / units) @ equilibrium_matrix(assembly)[rows]
     count = len(assembly.nodes.area)

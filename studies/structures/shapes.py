@@ -24,7 +24,7 @@ from sidmacib.mechanics.assembly import GRAVITY, Assembly, FaceMaterial, Loads, 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.limit import limit_tilt
-from sidmacib.structure.analysis.tilt import Tilt, static_tilt
+from sidmacib.structure.analysis.tilt import static_tilt, tilting
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.loads import acceleration, force_at, free_weight
@@ -33,7 +33,7 @@ from sidmacib.structure.structure import structure
 HELD = 3.0  # friction at which nothing slides
 DENSITY = 2000.0  # kg/m3
 GROUND = box("ground", (-9.0, -9.0, -1.0), (9.0, 9.0, 0.0), DENSITY, fixed=True)
-ABOUT_Y, ABOUT_X = Tilt((0.0, 1.0, 0.0)), Tilt((1.0, 0.0, 0.0))
+ABOUT_Y, ABOUT_X = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
 REQUIREMENTS = Path("requirements-peers.txt")
 REQUIREMENT = re.compile(r"^compas-cra==.*?(?:\\\n.*?)*$", re.MULTILINE)
 INSIDE = "compas_cra/data/samples/"
@@ -185,7 +185,8 @@ def pushed_walls(published: Mapping[str, float]) -> Iterator[KnownResult]:
         yield _loaded(name, "ferris", known, model, push, "g", weight)
 
 
-def _tilted(name: str, source: str, known: float, model: Assembly, tilt: Tilt) -> KnownResult:
+def _tilted(name: str, source: str, known: float, model: Assembly, axis: Vector) -> KnownResult:
+    tilt = tilting(model, axis)
     limit, static = limit_tilt(model, tilt).angle, static_tilt(model, tilt).angle
     return KnownResult(name, "degrees", source, known, limit, static)
 

@@ -20,8 +20,8 @@ from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned, turning
-from sidmacib.structure.loads import free_weight, naming_permanent
+from sidmacib.structure.analysis.tilt import LARGEST, LEVEL, turned, turning
+from sidmacib.structure.loads import beside_of, free_weight, naming_permanent
 from sidmacib.structure.structure import refined
 
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
@@ -65,22 +65,24 @@ class LimitTilt:
     mechanism: Floats | None = None
 
 
-def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+def limit_tilt(assembly: Assembly, loads: Loads) -> LimitTilt:
     """The smallest angle above which limit analysis finds no admissible forces in ``assembly``.
 
-    Friction is associated. Angles without such forces that are less than 5 degrees apart may be
-    missed where there are bonds, compressive strengths or permanent loads beside weight, or where
-    the axis is not horizontal.
+    ``loads``: by `tilting`. Friction is associated. Angles without such forces that are less than 5
+    degrees apart may be missed where there are bonds, compressive strengths or permanent loads
+    beside weight, or where the axis is not horizontal.
     `InfeasibleError` if there are no forces before gravity turns; other errors of `limit_load`.
     """
-    require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
+    assert loads.axis is not None, "gravity turns"
+    require_standing(assembly, turned(loads, 0.0), friction=True)
     strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
-    if tilt.level and tilt.beside is None and not strong and not crushed_faces(assembly):
-        return _by_sectors(assembly, tilt)
-    return _by_scan(assembly, tilt)
+    level = abs(loads.axis[2]) <= LEVEL
+    if level and beside_of(loads) is None and not strong and not crushed_faces(assembly):
+        return _by_sectors(assembly, loads)
+    return _by_scan(assembly, loads)
 
 
-def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+def _by_sectors(assembly: Assembly, loads: Loads) -> LimitTilt:
     """`limit_tilt` of an assembly without strengths about a horizontal axis.
 
     Directions of gravity that admissible forces carry are a convex cone, in the plane in which
@@ -89,7 +91,7 @@ def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     weight = free_weight(assembly)
     for begin in np.arange(0.0, LARGEST, SECTOR).tolist():
         try:  # the largest load beside gravity, where it turns to
-            state = limit_load(assembly, turning(assembly, tilt, begin), friction=True)
+            state = limit_load(assembly, turning(loads, begin), friction=True)
         except UnboundedError:
             continue
         further = math.degrees(math.atan(state.load / weight))
@@ -98,7 +100,7 @@ def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     return LimitTilt(LARGEST)
 
 
-def _by_scan(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+def _by_scan(assembly: Assembly, loads: Loads) -> LimitTilt:
     """`limit_tilt` of any assembly: angles one after the other, then bisection."""
     low = high = 0.0
     state: LimitState | None = None
@@ -106,22 +108,22 @@ def _by_scan(assembly: Assembly, tilt: Tilt) -> LimitTilt:
         low, high = high, high + SCAN
         if high > LARGEST:
             return LimitTilt(LARGEST)
-        state = short_of(assembly, tilt, high)
+        state = short_of(assembly, loads, high)
     while high - low > LIMIT_PRECISION:
         middle = (low + high) / 2
-        found = short_of(assembly, tilt, middle)
+        found = short_of(assembly, loads, middle)
         low, high, state = (middle, high, state) if found is None else (low, middle, found)
     return LimitTilt(low, state.mechanism)
 
 
-def short_of(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
+def short_of(assembly: Assembly, loads: Loads, angle: float) -> LimitState | None:
     """The limit state on the way from upright gravity to that at ``angle``; None if it gets there.
 
     The way is straight. It leads to ``angle`` if that has admissible forces, as the directions and
     sizes of gravity that have them are a convex set.
     """
-    upright, weight = turned(assembly, tilt, 0.0), free_weight(assembly)
-    change = turned(assembly, tilt, angle).permanent - upright.permanent
+    upright, weight = turned(loads, 0.0), free_weight(assembly)
+    change = turned(loads, angle).permanent - upright.permanent
     try:
         state = limit_load(assembly, replace(upright, variable=change / weight), friction=True)
     except UnboundedError:

@@ -13,20 +13,20 @@ carry gravity at an angle.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector, rotated
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static import INCREMENT, brittle_path
-from sidmacib.structure.loads import Permanent, StructureLoads, free_weight
-from sidmacib.validation import refused
+from sidmacib.structure.loads import Permanent, beside_of, free_weight, permanent_only
 
 LARGEST = 180.0  # degrees
 STEP = 0.25  # degrees: largest increment, or a hundredth of the angle where that is more
@@ -46,42 +46,6 @@ class Motion(StrEnum):
     SLIDING = "sliding"  # where blocks stay in contact they slide, at least as far as others open
     ROCKING = "rocking"  # joints open further than any that stays closed slides
     BONDS = "bonds"  # bonds fail, and no equilibrium follows
-
-
-@dataclass(frozen=True)
-class Tilt:
-    """Gravity that turns about ``axis``, which need not be of unit length.
-
-    ``beside``: permanent loads that do not turn. ValueError for a vertical axis.
-    """
-
-    axis: Vector
-    beside: Permanent | None = None
-
-    def __post_init__(self) -> None:
-        size = float(np.linalg.norm(self.axis))
-        if math.hypot(*self.axis[:2]) <= LEVEL * size:
-            raise refused("axis", list(self.axis), "a direction that is not vertical")
-
-    @classmethod
-    def of(cls, loads: Loads) -> "Tilt":
-        """That of ``loads`` by `tilting`."""
-        assert loads.axis is not None, "gravity turns"
-        return cls(loads.axis, loads.beside if isinstance(loads, StructureLoads) else None)
-
-    @property
-    def level(self) -> bool:
-        """Whether the axis is horizontal."""
-        return abs(self.axis[2]) <= LEVEL * float(np.linalg.norm(self.axis))
-
-    @property
-    def unit(self) -> Floats:
-        """The axis, of length 1, (3,)."""
-        return np.array(self.axis) / np.linalg.norm(self.axis)
-
-    def gravity(self, angle: float) -> Floats:
-        """Direction of gravity after it has turned by ``angle`` (degrees), of length 1, (3,)."""
-        return rotated(np.array([[0.0, 0.0, -1.0]]), self.unit, math.radians(angle))[0]
 
 
 @dataclass(frozen=True)
@@ -105,36 +69,31 @@ class StaticTilt:
         return self.path[-1].load
 
 
-def turned(assembly: Assembly, tilt: Tilt, angle: float) -> StructureLoads:
-    """The weight of all free pieces under gravity that has turned by ``angle`` (degrees).
+def tilting(assembly: Assembly, axis: Sequence[float], beside: Permanent | None = None) -> Loads:
+    """The weight of all free pieces under gravity that turns about ``axis``, as a raised load.
 
-    And permanent loads beside it.
+    In N: the angle in radians times the weight, see `load_of_tilt`. ``beside``: permanent loads
+    that do not turn.
     """
-    weight = np.array([0.0 if piece.fixed else piece.weight for piece in assembly.pieces])
-    permanent = np.zeros((len(weight), 6))
-    permanent[:, :3] = weight[:, None] * tilt.gravity(angle)
-    if tilt.beside is not None:
-        permanent += tilt.beside.wrenches
-    none = np.zeros_like(permanent)
-    return StructureLoads(permanent, none, free_weight(assembly), beside=tilt.beside)
+    x, y, z = (np.array(axis) / np.linalg.norm(axis)).tolist()
+    upright = replace(permanent_only(assembly, beside), scale=free_weight(assembly), axis=(x, y, z))
+    return replace(turning(upright, 0.0), axis=upright.axis)
 
 
-def turning(assembly: Assembly, tilt: Tilt, angle: float) -> StructureLoads:
+def turned(loads: Loads, angle: float) -> Loads:
+    """The permanent part of ``loads`` by `tilting`, at an ``angle`` (degrees)."""
+    permanent = loads.at(load_of_tilt(angle, loads))
+    return replace(loads, permanent=permanent, variable=np.zeros_like(permanent), axis=None)
+
+
+def turning(loads: Loads, angle: float) -> Loads:
     """Gravity at ``angle`` (degrees); the variable load, per newton, is how it goes on to turn."""
-    gravity = turned(assembly, replace(tilt, beside=None), angle).permanent
-    on = turned(assembly, tilt, angle)
+    assert loads.axis is not None, "gravity turns"
+    on, beside = turned(loads, angle), beside_of(loads)
+    gravity = on.permanent if beside is None else on.permanent - beside.wrenches
     change = np.zeros_like(gravity)
-    change[:, :3] = np.cross(tilt.unit, gravity[:, :3]) / on.scale
+    change[:, :3] = np.cross(loads.axis, gravity[:, :3]) / on.scale
     return replace(on, variable=change)
-
-
-def tilting(assembly: Assembly, tilt: Tilt) -> StructureLoads:
-    """The weight of all free pieces under gravity that turns, as a load that is raised.
-
-    In N: the angle in radians times the weight, see `load_of_tilt`.
-    """
-    x, y, z = tilt.unit.tolist()
-    return replace(turning(assembly, tilt, 0.0), axis=(x, y, z))
 
 
 def load_of_tilt(angle: float, loads: Loads) -> float:
@@ -147,9 +106,10 @@ def tilt_of_load(load: float, weight: float) -> float:
     return math.degrees(load / weight)
 
 
-def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
+def static_tilt(assembly: Assembly, loads: Loads) -> StaticTilt:
     """Turn gravity until the static model of ``assembly``, of rigid pieces, has no equilibrium.
 
+    ``loads``: by `tilting`.
     Accurate to 1e-4 of the angle for the path with friction that the increments follow; these are
     halved until the first failure converges. `NoEquilibriumError` if the assembly does not stand
     upright, `UnboundedError` if it is in equilibrium up to 180 degrees, `CapacityError` for contact
@@ -157,7 +117,7 @@ def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
     """
     if reason := assembly.without_stiffness:
         raise CapacityError(reason)
-    solver = _Turning(assembly, tilt)
+    solver = _Turning(assembly, loads)
     found = brittle_path(solver, STEP / INCREMENT, PRECISION)
     to_peak = found.path[: found.peak + 1]
     if found.by_bonds:
@@ -170,16 +130,16 @@ def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
 class _Turning:
     """Equilibria under gravity that turns; the load is the angle in degrees."""
 
-    def __init__(self, assembly: Assembly, tilt: Tilt) -> None:
-        self.assembly, self.tilt = assembly, tilt
-        self.upright = RigidSolver(assembly, turned(assembly, tilt, 0.0))
+    def __init__(self, assembly: Assembly, loads: Loads) -> None:
+        self.assembly, self.loads = assembly, loads
+        self.upright = RigidSolver(assembly, turned(loads, 0.0))
 
     @property
     def contact_law(self) -> ContactLaw:
         return self.upright.contact_law
 
     def at(self, angle: float) -> RigidSolver:
-        return self.upright.under(turned(self.assembly, self.tilt, angle))
+        return self.upright.under(turned(self.loads, angle))
 
     def start(self) -> Equilibrium:
         try:

@@ -12,7 +12,7 @@ from sidmacib.joint.parameters import beyond
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
 from sidmacib.quantities import Density, Number, Span
 from sidmacib.reading import Keys, Some, Text, Vector, Way
-from sidmacib.structure.analysis.tilt import LEVEL, Tilt, tilting
+from sidmacib.structure.analysis.tilt import LEVEL, tilting
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.interfaces import NEAR
 from sidmacib.structure.loads import (
@@ -25,6 +25,7 @@ from sidmacib.structure.loads import (
     support_turns,
 )
 from sidmacib.structure.pressures import Sides, pressing
+from sidmacib.validation import refused
 
 Newtons = Annotated[float, Number(above=0, unit="N")]
 OverWeight = Annotated[float, Number(above=0)]
@@ -230,7 +231,8 @@ class TiltSection(Keys):
 
     @model_validator(mode="after")
     def _is_not_vertical(self) -> Self:
-        Tilt(self.axis)
+        if math.hypot(*self.axis[:2]) <= LEVEL * math.hypot(*self.axis):
+            raise refused("axis", list(self.axis), "a direction that is not vertical")
         return self
 
 
@@ -319,7 +321,7 @@ class LoadSection(_Amount, _Raised):
     def on(self, assembly: Assembly, beside: Permanent | None, key: str = "load") -> Loads:
         """As of a load case; or gravity turns, or a support moves."""
         if self.tilt:
-            return tilting(assembly, Tilt(self.tilt.axis, beside))
+            return tilting(assembly, self.tilt.axis, beside)
         if not (moves := self.support):
             return super().on(assembly, beside, key)
         try:
