@@ -164,11 +164,11 @@ def force_rows(answer: StaticAnswer) -> list[Row]:
     state = answer.state
     return [
         {
-            "interface": each.name,
-            "compression (N)": each.normal,
-            "shear (N)": each.shear,
+            "interface": each.interface,
+            "compression (N)": each.normal_N,
+            "shear (N)": each.shear_N,
             "utilisation": each.utilisation,
-            "bonded": each.bonded,
+            "bonded": each.bonded_share,
         }
         for each in interface_forces(answer.assembly, state.force, state.state)
     ]

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Face, Floats, Kind, Vector
+from sidmacib.mechanics.assembly import Assembly, Face, Floats, Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.crushing import crushing_use
@@ -21,34 +21,49 @@ NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in drawings
 
 
 @dataclass(frozen=True)
-class InterfaceForce:
-    """Forces that an interface carries.
+class InterfaceRow:
+    """An interface: its law, and the resultants (N, N m about its centroid) that it carries.
 
-    ``normal``: compression in N, negative in tension; ``shear``: size of the resultant along the
-    interface, N. ``eccentricity``: of the resultant from the centroid, over the distance to the
-    edge that way: 1 where it acts at the edge, as in a hinge; None where it acts nowhere.
+    ``normal_N``: compression, negative in tension; ``shear_N``: size of the resultant along the
+    interface. ``torsion_Nm``: about its normal; ``bending_Nm``: size of the moment in its plane.
+    ``eccentricity``: of the resultant from the centroid, over the distance to the edge that way: 1
+    where it acts at the edge, as in a hinge; None where it acts nowhere.
     ``utilisation``, 1 at failure: where any of it is bonded, shear or tension over strength at the
     bonded node that is used most; of a dry interface the larger of the eccentricity and of shear
     and torsion over what friction allows; of blocks with a compressive strength that of it, if it
-    is larger. Forces at dry nodes are not unique, resultants are.
-    ``bonded``: the part of its area that is bonded. ``resultant``: of the forces on the block
-    above, N, along x, y and z. ``at``: the point (m) of the interface's plane through which it
-    acts, torsion apart; None where compression and tension leave next to none of either.
+    is larger; None without a strength to compare with. Forces at dry nodes are not unique,
+    resultants are.
+    ``bonded_share``: the part of its area that is bonded. ``fails_at``: part of the peak load at
+    which its first bond fails; None if none does. ``force_x_N`` …: the resultant on the block
+    above; ``at_x_m`` …: the point of the interface's plane through which it acts, torsion apart;
+    None where compression and tension leave next to none of either.
     """
 
-    name: str
-    normal: float
-    shear: float
+    interface: str
+    kind: str
+    area_m2: float
+    friction: float
+    cohesion_Pa: float
+    tensile_strength_Pa: float
+    normal_N: float
+    shear_N: float
+    torsion_Nm: float
+    bending_Nm: float
     eccentricity: float | None
-    utilisation: float
-    bonded: float
-    resultant: Vector
-    at: Vector | None
+    utilisation: float | None
+    bonded_share: float
+    fails_at: float | None
+    force_x_N: float
+    force_y_N: float
+    force_z_N: float
+    at_x_m: float | None
+    at_y_m: float | None
+    at_z_m: float | None
 
 
 def interface_forces(
     assembly: Assembly, force: Floats, state: NodeState | None = None
-) -> tuple[InterfaceForce, ...]:
+) -> tuple[InterfaceRow, ...]:
     """Resultants of each face of ``assembly`` under node forces, (N, 3) in N as in `Equilibrium`.
 
     ``state``: of the nodes; by default all bonds are whole.
@@ -62,28 +77,36 @@ def interface_forces(
     found = []
     for number, face in enumerate(assembly.faces):
         nodes = assembly.nodes.face == number
-        whole = force[nodes].sum(axis=0)
+        places, on_nodes, material = assembly.nodes.position[nodes], force[nodes], face.material
+        whole = on_nodes.sum(axis=0)
+        moment = np.cross((places - np.array(face.middle)) @ face.axes.T, on_nodes).sum(axis=0)
         normal, *shear = whole.tolist()
         bonded = float(area[nodes & state.bonded].sum() / area[nodes].sum())
-        places = assembly.nodes.position[nodes]
-        at = _centre(places, force[nodes, 0])
-        off = None if at is None else _eccentricity(face, np.array(at))
+        at = _centre(places, on_nodes[:, 0])
+        off = None if at is None else _eccentricity(face, at)
         most = float(used[nodes].max())
         if not bonded and at is not None and normal > nothing:
-            rubbing = _rubbing(face, places - np.array(at), force[nodes], limit[nodes], nothing)
-            most = max(off or 0.0, rubbing)
+            most = max(off or 0.0, _rubbing(face, places - at, on_nodes, limit[nodes], nothing))
         if number in crushing:
             most = max(most, float(crushing[number][0]))
         found.append(
-            InterfaceForce(
+            InterfaceRow(
                 face.name,
+                str(face.kind),
+                rounded(face.area),
+                material.friction,
+                material.cohesion,
+                material.tensile_strength,
                 normal,
                 float(np.hypot(*shear)),
+                float(moment[0]),
+                float(np.hypot(*moment[1:])),
                 off,
                 most,
                 bonded,
-                _vector(whole @ face.axes),
-                at,
+                None,
+                *(whole @ face.axes).tolist(),
+                *((None, None, None) if at is None else at.tolist()),
             )
         )
     return tuple(found)
@@ -120,51 +143,15 @@ def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: fl
     )
 
 
-def _centre(places: Floats, normal: Floats) -> Vector | None:
+def _centre(places: Floats, normal: Floats) -> Floats | None:
     """Centre of normal forces, (N,) in N, at ``places``, (N, 3) in m; None if they add up to 0."""
     whole = float(normal.sum())
     if abs(whole) <= LEVERAGE * float(np.abs(normal).sum()):
         return None
-    return _vector(normal @ places / whole)
+    return np.asarray(normal @ places / whole)
 
 
-def _vector(values: Floats) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
-
-
-@dataclass(frozen=True)
-class InterfaceRow:
-    """An interface: its law, and the resultants (N, N m about its centroid) that it carries.
-
-    ``normal_N``: compression positive. ``torsion_Nm``: about its normal; ``bending_Nm``: size of
-    the moment in its plane. ``eccentricity`` and ``utilisation``: see `InterfaceForce`; None where
-    there is no point of action, or no strength to compare with. ``bonded_share``: the part of its
-    area that is bonded. ``fails_at``: part of the peak load at which its first bond fails; None if
-    none does. ``force_x_N`` …: the resultant on the block above; ``at_x_m`` …: the point of the
-    interface's plane through which it acts; None where none does.
-    """
-
-    interface: str
-    kind: str
-    area_m2: float
-    friction: float
-    cohesion_Pa: float
-    tensile_strength_Pa: float
-    normal_N: float
-    shear_N: float
-    torsion_Nm: float
-    bending_Nm: float
-    eccentricity: float | None
-    utilisation: float | None
-    bonded_share: float
-    fails_at: float | None
-    force_x_N: float
-    force_y_N: float
-    force_z_N: float
-    at_x_m: float | None
-    at_y_m: float | None
-    at_z_m: float | None
+RESULTANTS = [each.name for each in fields(InterfaceRow)][6:]
 
 
 @dataclass(frozen=True)
@@ -197,37 +184,18 @@ def interfaces_of(assembly: Assembly, outcome: Outcome) -> tuple[InterfaceRow, .
         state = NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
     failing = {face: load / peak for face, load in outcome.broken_at.items()}
     size = float(np.abs(force).max(initial=0.0))
+    units = {"N": size, "Nm": size * assembly.length, "m": assembly.length}
     rows = []
-    for number, each in enumerate(interface_forces(assembly, force, state)):
-        face, at_face = assembly.faces[number], assembly.nodes.face == number
-        arms = assembly.nodes.position[at_face] - np.array(face.middle)
-        moment = np.cross(arms @ face.axes.T, force[at_face]).sum(axis=0)
-        law, shear_only = face.material, face.kind is Kind.LOCKED
-        used = None if shear_only or not math.isfinite(each.utilisation) else each.utilisation
-        rows.append(
-            InterfaceRow(
-                interface=each.name,
-                kind=str(face.kind),
-                area_m2=rounded(face.area),
-                friction=law.friction,
-                cohesion_Pa=law.cohesion,
-                tensile_strength_Pa=law.tensile_strength,
-                normal_N=_clean(each.normal, size),
-                shear_N=_clean(each.shear, size),
-                torsion_Nm=_clean(float(moment[0]), size * assembly.length),
-                bending_Nm=_clean(float(np.hypot(*moment[1:])), size * assembly.length),
-                eccentricity=None if each.eccentricity is None else _clean(each.eccentricity, 1.0),
-                utilisation=None if used is None else _clean(used, 1.0),
-                bonded_share=_clean(each.bonded, 1.0),
-                fails_at=_share(failing.get(number)),
-                force_x_N=_clean(each.resultant[0], size),
-                force_y_N=_clean(each.resultant[1], size),
-                force_z_N=_clean(each.resultant[2], size),
-                at_x_m=_clean(each.at[0], assembly.length) if each.at else None,
-                at_y_m=_clean(each.at[1], assembly.length) if each.at else None,
-                at_z_m=_clean(each.at[2], assembly.length) if each.at else None,
-            )
-        )
+    for number, row in enumerate(interface_forces(assembly, force, state)):
+        numbers = {name: value for name, value in vars(row).items() if name in RESULTANTS}
+        if assembly.faces[number].kind is Kind.LOCKED or not math.isfinite(row.utilisation or 0.0):
+            numbers["utilisation"] = None  # no strength in shear along locks, or none at all
+        for name, value in numbers.items():
+            if value is not None:
+                numbers[name] = _clean(value, units.get(name.rpartition("_")[2], 1.0))
+        if failing.get(number, math.inf) <= 1.0:
+            numbers["fails_at"] = rounded(failing[number])
+        rows.append(replace(row, **numbers))
     return tuple(rows)
 
 
@@ -243,10 +211,6 @@ def block_rows(assembly: Assembly, outcome: Outcome) -> tuple[BlockRow, ...]:
         weight = rounded(piece.weight)
         rows.append(BlockRow(piece.name, piece.fixed, weight, x, y, z, outcome.motion_kind, move))
     return tuple(rows)
-
-
-def _share(of_peak: float | None) -> float | None:
-    return None if of_peak is None or of_peak > 1.0 else rounded(of_peak)
 
 
 def _clean(value: float, size: float) -> float:

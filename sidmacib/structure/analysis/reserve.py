@@ -214,5 +214,5 @@ def _require_static(problem: Problem) -> None:
     except NoEquilibriumError:
         raise NoEquilibriumError(DOES_NOT_STAND) from None
     for face in interface_forces(assembly, state.force):
-        if face.bonded and face.utilisation > 1.0:
-            raise NoEquilibriumError(f"the bond of {face.name} fails under its own weight")
+        if face.bonded_share and (face.utilisation or 0.0) > 1.0:
+            raise NoEquilibriumError(f"the bond of {face.interface} fails under its own weight")

@@ -20,7 +20,7 @@ from enum import StrEnum
 import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads, rotated
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
 from sidmacib.mechanics.rigid import RigidSolver
@@ -82,8 +82,12 @@ def tilting(assembly: Assembly, axis: Sequence[float], beside: Permanent | None 
 
 def turned(loads: Loads, angle: float) -> Loads:
     """The permanent part of ``loads`` by `tilting`, at an ``angle`` (degrees)."""
-    permanent = loads.at(load_of_tilt(angle, loads))
-    return replace(loads, permanent=permanent, variable=np.zeros_like(permanent), axis=None)
+    beside, none = beside_of(loads), np.zeros_like(loads.permanent)
+    others = none if beside is None else beside.wrenches
+    weight = (loads.permanent - others)[:, :3]
+    permanent = others.copy()
+    permanent[:, :3] += rotated(weight, np.array(loads.axis), math.radians(angle))
+    return replace(loads, permanent=permanent, variable=none, axis=None)
 
 
 def turning(loads: Loads, angle: float) -> Loads:
