@@ -17,7 +17,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.structure.analysis.supports import static_reactions, support_answers
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import structure_of
-from sidmacib.structure.loads import SupportMotion, free_weight, support_moves, support_turns
+from sidmacib.structure.loads import SupportMotion, free_weight, support_moves
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 
@@ -169,7 +169,7 @@ def test_a_support_that_nothing_needs_comes_free() -> None:
 def test_the_moment_of_a_support_that_turns_is_its_force_times_the_lever() -> None:
     model = two_spans()
     settles = support_moves(model, "right", (0, 0, -1))
-    turns = support_turns(model, "right", (0, 1, 0), (4.1 - 2.0, 0.15, 0.0))
+    turns = support_moves(model, "right", None, (0, 1, 0), (4.1 - 2.0, 0.15, 0.0))
     # Both move the point where the beam rests straight down: by 2 m for 1 rad.
     force, moment = (least_reaction(model, loads).size for loads in (settles, turns))
     assert moment == pytest.approx(2.0 * force, rel=1e-3)

@@ -170,30 +170,28 @@ def permanent_only(assembly: Assembly, beside: Permanent | None = None) -> Struc
 def support_moves(
     assembly: Assembly,
     name: str,
-    displacement: Sequence[float],
-    beside: Permanent | None = None,
-) -> SupportMotion:
-    """Self-weight, while the fixed piece called ``name`` moves along ``displacement``.
-
-    ValueError unless there is such a piece.
-    """
-    return _support(assembly, name, displacement, None, beside)
-
-
-def support_turns(
-    assembly: Assembly,
-    name: str,
-    axis: Sequence[float],
+    displacement: Sequence[float] | None = None,
+    rotation: Sequence[float] | None = None,
     about: Sequence[float] | None = None,
     beside: Permanent | None = None,
 ) -> SupportMotion:
-    """Self-weight, while the fixed piece called ``name`` turns about an ``axis``.
+    """Self-weight, while the fixed piece called ``name`` moves along ``displacement``, or turns.
 
-    ``about``: a point of the axis (m), by default the centroid. Errors of `support_moves`.
+    About the axis ``rotation``, one of the two; ``about``: a point of the axis (m), by default the
+    centroid. ValueError unless there is such a piece.
     """
     number = _number(assembly, name, fixed=True)
-    point = assembly.pieces[number].centre if about is None else np.array(about, float)
-    return _support(assembly, name, axis, tuple(point.tolist()), beside)
+    along, point = displacement, None
+    if along is None:
+        along, centre = rotation, assembly.pieces[number].centre
+        point = tuple(np.array(centre if about is None else about, float).tolist())
+    assert along is not None, "it moves or turns"
+    return SupportMotion(
+        **vars(permanent_only(assembly, beside)),
+        support=number,
+        along=tuple(_unit(along).tolist()),
+        about=point,
+    )
 
 
 def permanent_force(
@@ -219,21 +217,6 @@ def naming_permanent(loads: Loads) -> Iterator[None]:
         if beside_of(loads) is None or ALL in str(error):
             raise
         raise type(error)(str(error).replace(OWN, ALL)) from None
-
-
-def _support(
-    assembly: Assembly,
-    name: str,
-    along: Sequence[float],
-    about: tuple[float, ...] | None,
-    beside: Permanent | None,
-) -> SupportMotion:
-    return SupportMotion(
-        **vars(permanent_only(assembly, beside)),
-        support=_number(assembly, name, fixed=True),
-        along=tuple(_unit(along).tolist()),
-        about=about,
-    )
 
 
 def _number(assembly: Assembly, name: str, *, fixed: bool) -> int:

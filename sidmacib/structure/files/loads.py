@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
@@ -22,7 +21,6 @@ from sidmacib.structure.loads import (
     free_weight,
     permanent_force,
     support_moves,
-    support_turns,
 )
 from sidmacib.structure.pressures import Sides, pressing
 from sidmacib.validation import refused
@@ -79,10 +77,25 @@ class _OnSides(Keys):
     z: _Range | None = None
     """likewise"""
 
-    def _sides(self, side: tuple[float, float, float], within: float) -> Sides:
-        given = {axis: getattr(self, name) for axis, name in enumerate("xyz")}
-        bounds = {axis: each for axis, each in given.items() if each is not None}
-        return Sides(self.blocks, side, within, bounds)
+    def on(self, assembly: Assembly, near: float) -> Permanent:
+        """The load on ``assembly``; ValueError that names the key."""
+        return pressing(assembly, self._sides(), self._pressure, self._along(), near)
+
+    def _sides(self: Any) -> Sides:
+        bounds = {axis: getattr(self, name) for axis, name in enumerate("xyz")}
+        bounds = {axis: each for axis, each in bounds.items() if each is not None}
+        if (level := getattr(self, "level", None)) is not None:
+            low, high = bounds.get(2, (-math.inf, level))
+            bounds[2] = low, min(high, level)
+        return Sides(self.blocks, self.side, self.within, bounds)
+
+    def _pressure(self: Any, at: Floats) -> Floats:
+        """The pressure (Pa) at points, (K, 3) in m."""
+        return np.full(len(at), self.pascals)
+
+    def _along(self) -> Floats | None:
+        """The direction in which it acts; None: against each face."""
+        return None
 
 
 class PressureSection(_OnSides):
@@ -95,11 +108,6 @@ class PressureSection(_OnSides):
     within: _Within = 10.0
     """degrees between `side` and the outward normals of the faces; 90: all that look that way"""
 
-    def on(self, assembly: Assembly, near: float) -> Permanent:
-        """The load on ``assembly``; ValueError that names the key."""
-        sides = self._sides(self.side, self.within)
-        return pressing(assembly, sides, lambda at: np.full(len(at), self.pascals), near=near)
-
 
 class SurchargeSection(_OnSides):
     """A load on all faces that look upwards and touch nothing, by plan area; it acts downwards."""
@@ -107,10 +115,11 @@ class SurchargeSection(_OnSides):
     pascals: Annotated[float, Number(above=0, unit="Pa")]
     """the load per m² of plan, Pa"""
 
-    def on(self, assembly: Assembly, near: float) -> Permanent:
-        """The load on ``assembly``; ValueError that names the key."""
-        sides, down = self._sides((0.0, 0.0, 1.0), 90.0), np.array([0.0, 0.0, -1.0])
-        return pressing(assembly, sides, lambda at: np.full(len(at), self.pascals), down, near)
+    side: ClassVar = (0.0, 0.0, 1.0)
+    within: ClassVar = 90.0
+
+    def _along(self) -> Floats:
+        return np.array([0.0, 0.0, -1.0])
 
 
 class WaterSection(_OnSides):
@@ -127,11 +136,8 @@ class WaterSection(_OnSides):
     within: _Within = 10.0
     """degrees between `side` and the outward normals of the faces; 90: all that look that way"""
 
-    def on(self, assembly: Assembly, near: float) -> Permanent:
-        """The load on ``assembly``; ValueError that names the key."""
-        sides = _below(self._sides(self.side, self.within), self.level)
-        weight = GRAVITY * self.density
-        return pressing(assembly, sides, lambda at: weight * (self.level - at[:, 2]), near=near)
+    def _pressure(self, at: Floats) -> Floats:
+        return np.asarray(GRAVITY * self.density * (self.level - at[:, 2]))
 
 
 class EarthSection(_OnSides):
@@ -159,21 +165,12 @@ class EarthSection(_OnSides):
             raise ValueError(f"side: {list(self.side)} is not allowed; it must be horizontal")
         return self
 
-    def on(self, assembly: Assembly, near: float) -> Permanent:
-        """The load on ``assembly``; ValueError that names the key."""
-        sides = _below(self._sides(self.side, self.within), self.level)
+    def _pressure(self, at: Floats) -> Floats:
+        vertical = GRAVITY * self.density * (self.level - at[:, 2]) + self.surcharge
+        return np.asarray(self.coefficient * vertical)
 
-        def pressure(at: Floats) -> Floats:
-            vertical = GRAVITY * self.density * (self.level - at[:, 2]) + self.surcharge
-            return np.asarray(self.coefficient * vertical)
-
-        return pressing(assembly, sides, pressure, -sides.unit, near)
-
-
-def _below(sides: Sides, level: float) -> Sides:
-    """The part of ``sides`` below a ``level`` (m)."""
-    low, high = sides.bounds.get(2, (-np.inf, level))
-    return replace(sides, bounds={**sides.bounds, 2: (low, min(high, level))})
+    def _along(self) -> Floats:
+        return -self._sides().unit
 
 
 class PermanentSection(Keys):
@@ -325,10 +322,9 @@ class LoadSection(_Amount, _Raised):
         if not (moves := self.support):
             return super().on(assembly, beside, key)
         try:
-            if moves.displacement:
-                return support_moves(assembly, moves.block, moves.displacement, beside)
-            assert moves.rotation
-            return support_turns(assembly, moves.block, moves.rotation, moves.about, beside)
+            return support_moves(
+                assembly, moves.block, moves.displacement, moves.rotation, moves.about, beside
+            )
         except ValueError as error:
             raise ValueError(f"{key}.support.{error}") from None
 
