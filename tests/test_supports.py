@@ -98,12 +98,12 @@ def test_the_least_thrust_of_an_arch_has_hinges_at_the_crown_and_the_haunches() 
 def test_least_and_greatest_thrust_bracket_the_path_of_the_static_model() -> None:
     model, loads = semicircle()
     least, greatest = least_reaction(model, loads), greatest_reaction(model, loads)
-    path = static_reactions(model, loads, least.size)
-    assert least.size * (1 - 1e-4) <= path.reaction.min()
-    assert path.reaction.max() < greatest.size
-    assert (np.diff(path.reaction) < 0.0).all()
-    assert path.dropped(least.size)
-    assert path.movement[-1] < 1e-3
+    movement, reaction = static_reactions(model, loads, least.size)
+    assert least.size * (1 - 1e-4) <= reaction.min()
+    assert reaction.max() < greatest.size
+    assert (np.diff(reaction) < 0.0).all()
+    assert reaction[-1] == pytest.approx(least.size, rel=0.02)
+    assert movement[-1] < 1e-3
 
 
 def test_an_arch_on_spreading_supports_falls_where_its_hinges_say() -> None:
@@ -143,9 +143,9 @@ def test_an_abutment_that_settles_below_a_wall_on_two_spans() -> None:
     # Pushed up: about its other end, x = 2.01, at the inner edge of the abutment, x = 3.9.
     by_hand = (beam * (3.055 - 2.01) + wall * (3.01 - 2.01)) / (3.9 - 2.01)
     assert greatest.size == pytest.approx(by_hand, rel=1e-6)
-    rest = static_reactions(model, loads, least.size)
-    assert least.size < rest.rest < greatest.size
-    assert rest.rest == pytest.approx((beam + wall) / 2, rel=0.05)
+    rest = static_reactions(model, loads, least.size)[1][0]
+    assert least.size < rest < greatest.size
+    assert rest == pytest.approx((beam + wall) / 2, rel=0.05)
 
 
 def test_a_wall_slides_off_a_settling_beam_where_it_is_steeper_than_friction() -> None:
@@ -312,7 +312,7 @@ def test_static_reactions_stay_in_equilibrium_as_far_as_the_support_moves() -> N
     push = {"block": "beam", "at": [3, 0.15, 0.3], "direction": [0, 0, -1], "newtons": 1e3}
     assembly, loads = structure_of(on_pads(0, permanent=[{"force": push}]))
     least = -0.5 * (free_weight(assembly) * (LENGTH / 2 + PAD / 2) + 1e3 * (1 + PAD / 2)) / LENGTH
-    found = static_reactions(assembly, loads, least)
+    _, reaction = static_reactions(assembly, loads, least)
     assert least_reaction(assembly, loads).size == pytest.approx(least, rel=1e-3)
-    assert found.reaction.min() >= least
-    assert np.ptp(found.reaction[-10:]) <= 1e-3 * abs(least)
+    assert reaction.min() >= least
+    assert np.ptp(reaction[-10:]) <= 1e-3 * abs(least)

@@ -6,7 +6,7 @@ crossing. Contacts are sought between blocks that touched when they were built; 
 others.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -144,34 +144,27 @@ class Side:
             yield place, float(other.seen(placed, place)[0])
 
 
-@dataclass(frozen=True, eq=False)
-class Joints:
-    """Both sides of each interface of ``assembly``."""
+def contacts_of(
+    assembly: Assembly, sides: Sequence[tuple[Side, Side]], placed: Placement
+) -> Contacts:
+    """The contacts where the pieces are ``placed``; `InfeasibleError` if none is left.
 
-    assembly: Assembly
-    sides: tuple[tuple[Side, Side], ...]
-
-    @classmethod
-    def of(cls, assembly: Assembly) -> "Joints":
-        """`CapacityError` that names an interface unless all are dry."""
-        return cls(assembly, tuple(_sides(assembly, face) for face in assembly.faces))
-
-    def contacts(self, placed: Placement) -> Contacts:
-        """The contacts where the pieces are ``placed``; `InfeasibleError` if none is left."""
-        over = OVER * self.assembly.length
-        found = [
-            (place, other.piece, side.piece, frame, gap, face.material.friction, number)
-            for number, face in enumerate(self.assembly.faces)
-            for side, other in (self.sides[number], self.sides[number][::-1])
-            for frame in (side.frame(placed),)
-            for place, gap in side.contacts(other, placed, over)
-        ]
-        if not found:
-            raise InfeasibleError("finite displacements: no blocks touch any more")
-        return Contacts(*map(np.array, zip(*found, strict=True)))
+    ``sides``: of each interface of ``assembly``, by `sides_of`.
+    """
+    over = OVER * assembly.length
+    found = [
+        (place, other.piece, side.piece, frame, gap, face.material.friction, number)
+        for number, face in enumerate(assembly.faces)
+        for side, other in (sides[number], sides[number][::-1])
+        for frame in (side.frame(placed),)
+        for place, gap in side.contacts(other, placed, over)
+    ]
+    if not found:
+        raise InfeasibleError("finite displacements: no blocks touch any more")
+    return Contacts(*map(np.array, zip(*found, strict=True)))
 
 
-def _sides(assembly: Assembly, face: Face) -> tuple[Side, Side]:
+def sides_of(assembly: Assembly, face: Face) -> tuple[Side, Side]:
     """The sides of the pieces below and above a ``face``; `CapacityError` unless it is dry."""
     if not isinstance(face, Polygon) or face.kind is not Kind.DRY:
         raise CapacityError(

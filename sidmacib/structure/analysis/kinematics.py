@@ -34,7 +34,14 @@ from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.optimisation import solve
-from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement, meeting
+from sidmacib.structure.analysis.contacts import (
+    Contacts,
+    Placement,
+    Side,
+    contacts_of,
+    meeting,
+    sides_of,
+)
 from sidmacib.structure.loads import PointForce, StructureLoads, SupportMotion
 
 STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
@@ -130,10 +137,10 @@ class Path:
 
 @dataclass(frozen=True, eq=False)
 class Kinematics:
-    """The blocks of ``assembly`` and their joints under ``loads``, which drive them."""
+    """The blocks of ``assembly`` and the sides of its joints under ``loads``, which drive them."""
 
     assembly: Assembly
-    joints: Joints
+    sides: tuple[tuple[Side, Side], ...]
     loads: Loads
 
     @classmethod
@@ -143,7 +150,7 @@ class Kinematics:
             raise CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
         if crushed_faces(assembly):
             raise CapacityError(f"{WHAT}: blocks are not crushed; leave out compressive_strength")
-        return cls(assembly, Joints.of(assembly), loads)
+        return cls(assembly, tuple(sides_of(assembly, face) for face in assembly.faces), loads)
 
     def start(self) -> Position:
         """Where the blocks were built; errors of `position`."""
@@ -210,7 +217,7 @@ class Kinematics:
         free = Freedoms.of(self.assembly, self.loads, placed)
         scale = self.loads.scale
         closing = step * free.unit / scale  # of the order of what closes in the step, m
-        contacts = self.joints.contacts(placed).closer(FAR * closing)
+        contacts = contacts_of(self.assembly, self.sides, placed).closer(FAR * closing)
         every = contacts.matrix(placed.centre)
         M = (free.directions @ every).multiply((scale / free.units)[:, None]).tocsr()
         p, q = free.permanent / free.units, free.driving * free.unit / free.units

@@ -139,27 +139,13 @@ def support_path(assembly: Assembly, loads: SupportMotion) -> SupportPath:
     return SupportPath(movement, -load, *kinematics.moving(path.positions[-1]), path)
 
 
-@dataclass(frozen=True, eq=False)
-class StaticReactions:
-    """The reaction (N or N m) over the ``movement`` of the support (m or rad), both (K,)."""
-
-    movement: Floats
-    reaction: Floats
-
-    @property
-    def rest(self) -> float:
-        """Before the support moves."""
-        return float(self.reaction[0])
-
-    def dropped(self, least: float) -> bool:
-        """Whether the reaction has dropped to the ``least`` (N or N m)."""
-        return bool(self.reaction[-1] <= least + SETTLED * (self.rest - least))
-
-
-def static_reactions(assembly: Assembly, loads: SupportMotion, least: float) -> StaticReactions:
+def static_reactions(
+    assembly: Assembly, loads: SupportMotion, least: float
+) -> tuple[Floats, Floats]:
     """Move the support until its reaction has dropped to the ``least`` (N or N m).
 
-    Or until no equilibrium follows, or the displacements are no longer small.
+    Or until no equilibrium follows, or the displacements are no longer small. The movement (m or
+    rad) and the reaction (N or N m) over it, (K,) each, from rest on.
     `NoEquilibriumError` if the structure does not stand before.
     """
     sprung, moving = _on_spring(assembly, loads)
@@ -182,7 +168,7 @@ def static_reactions(assembly: Assembly, loads: SupportMotion, least: float) -> 
     step = FIRST * loads.scale / softest / (assembly.length if loads.turns else 1.0)
     found = [(0.0, reaction(point))]
     largest = SMALL * (1.0 if loads.turns else assembly.length)
-    while found[-1][0] < largest and found[-1][1] > least + SETTLED * (found[0][1] - least):
+    while found[-1][0] < largest and not _dropped(found[-1][1], found[0][1], least):
         try:
             point = solver.solve(found[-1][0] + step, point.unknowns, point.state, thorough=True)
         except NoEquilibriumError:
@@ -193,7 +179,7 @@ def static_reactions(assembly: Assembly, loads: SupportMotion, least: float) -> 
     if reactions[-1] < least:  # on cells that resist more torque: the path ends there
         movement[-1] = np.interp(-least, -reactions[-2:], movement[-2:])
         reactions[-1] = least
-    return StaticReactions(movement, reactions)
+    return movement, reactions
 
 
 def _on_spring(assembly: Assembly, loads: SupportMotion) -> tuple[Assembly, Loads]:
@@ -261,37 +247,23 @@ def support_answers(
     """
     with naming_permanent(loads):
         least, greatest = least_reaction(assembly, loads), greatest_reaction(assembly, loads)
-    try:
-        path: SupportPath | CapacityError = support_path(assembly, loads)
-    except CapacityError as error:
-        path = error
     yields = f"the support yields; {joints_in_words(least.hinges, least.slides)}"
-    pushed = "no limit: the support can be pushed back with any force"
+    back, pushed = None, "no limit: the support can be pushed back with any force"
     if greatest:
         joints = joints_in_words(greatest.hinges, greatest.slides)
-        pushed = f"the support is pushed back; {joints}"
-    return [
+        back, pushed = _clean(greatest.size, loads), f"the support is pushed back; {joints}"
+    answers = [
         *_static(assembly, loads, least.size),
         SupportAnswer("limit, least", _clean(least.size, loads), None, yields),
-        SupportAnswer(
-            "limit, greatest",
-            None if greatest is None else _clean(greatest.size, loads),
-            None,
-            pushed,
-        ),
-        *_by_kinematics(assembly, loads, least.slides, path),
-    ], path
-
-
-def _by_kinematics(
-    assembly: Assembly, loads: SupportMotion, slides: Sequence[str], path: SupportPath | Exception
-) -> Iterator[SupportAnswer]:
-    if isinstance(path, Exception):
-        yield SupportAnswer("kinematics", None, None, str(path))
-        return
-    movement = float(path.movement[-1])
-    yield SupportAnswer("kinematics", _clean(path.reaction[-1], loads), movement, _end(path))
-    yield from _one_slides(assembly, loads, slides, movement)
+        SupportAnswer("limit, greatest", back, None, pushed),
+    ]
+    try:
+        path = support_path(assembly, loads)
+    except CapacityError as error:
+        return [*answers, SupportAnswer("kinematics", None, None, str(error))], error
+    movement, reaction = float(path.movement[-1]), _clean(path.reaction[-1], loads)
+    answers.append(SupportAnswer("kinematics", reaction, movement, _end(path)))
+    return [*answers, *_one_slides(assembly, loads, least.slides, movement)], path
 
 
 def _clean(reaction: float, loads: SupportMotion) -> float:
@@ -329,17 +301,21 @@ def _one_slides(
 
 def _static(assembly: Assembly, loads: SupportMotion, least: float) -> Iterator[SupportAnswer]:
     try:
-        found = static_reactions(assembly, loads, least)
+        movement, reaction = static_reactions(assembly, loads, least)
     except CapacityError as error:
         yield SupportAnswer("static", None, None, " ".join(str(error).split()))
         return
-    at_rest = "elastic joints; small displacements"
-    yield SupportAnswer("static, at rest", _clean(found.rest, loads), 0.0, at_rest)
+    rest, last = (_clean(each, loads) for each in (reaction[0], reaction[-1]))
+    yield SupportAnswer("static, at rest", rest, 0.0, "elastic joints; small displacements")
     ends = "the reaction has dropped to the least"
-    if not found.dropped(least):
+    if not _dropped(reaction[-1], reaction[0], least):
         ends = "followed to here; then no equilibrium is found, or displacements are large"
-    last = _clean(found.reaction[-1], loads), float(found.movement[-1])
-    yield SupportAnswer("static, yields", *last, ends)
+    yield SupportAnswer("static, yields", last, float(movement[-1]), ends)
+
+
+def _dropped(reaction: float, rest: float, least: float) -> bool:
+    """Whether a ``reaction`` (N or N m), ``rest`` at first, has dropped to the ``least``."""
+    return bool(reaction <= least + SETTLED * (rest - least))
 
 
 def _end(path: SupportPath) -> str:
