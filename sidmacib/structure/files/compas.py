@@ -48,15 +48,13 @@ AWAY = 1e-3  # weight of the distance along a face, against that from its plane
 class _Node:
     """A node of the graph: the surface of its block, whether it is a support, its density (kg/m3).
 
-    ``matrix``: where the block is, (4, 4); None for where its mesh is. ``density``: None if the
-    file gives none; ``material``: its name.
+    ``density``: None if the file gives none; ``material``: its name.
     """
 
     number: int
     surface: Surface
     support: bool
     density: float | None = None
-    matrix: Floats | None = None
     material: str | None = None
 
 
@@ -248,7 +246,10 @@ def _elements(model: Mapping[str, Any], nodes: Mapping[str, Any], begin: str) ->
         law = {} if material is None else data_of(materials[str(material)])
         matrix = above.get(identity, whole) @ _matrix(element.get("transformation"))
         support = element.get("is_support", False)
-        yield _node(node, mesh, begin, support, law.get("density"), matrix, law.get("name"))
+        found = _node(node, mesh, begin, support, law.get("density"), law.get("name"))
+        places, faces = found.surface
+        moved = places @ matrix[:3, :3].T + matrix[:3, 3]
+        yield replace(found, surface=(moved, faces))
 
 
 def _by_identity(values: Any) -> dict[str, Any]:
@@ -302,8 +303,6 @@ def _surface(name: str, mesh: Mapping[str, Any]) -> Surface:
 
 def _block(name: str, node: _Node, density: float, frame: Floats, fixed: bool) -> Block:
     places, faces = node.surface
-    if node.matrix is not None:
-        places = places @ node.matrix[:3, :3].T + node.matrix[:3, 3]
     places = places @ frame.T
     if fixed:
         places, faces = with_depth(places, faces)

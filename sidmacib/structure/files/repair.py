@@ -1,7 +1,7 @@
 """Blocks from surfaces as files have them: welded, closed, turned outwards, of plane faces."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fnmatch import fnmatchcase
 from itertools import combinations
 
@@ -215,13 +215,12 @@ def _divided(faces: list[Face], places: Floats, near: float) -> list[Face]:
     return divided
 
 
-def _connected(faces: Sequence[Face]) -> list[list[Face]]:
-    """Parts of a surface that hang together by edges of two faces."""
-    return _linked(faces, [(b[0][0], b[1][0]) for b in _sides(faces).values() if len(b) == 2])
-
-
-def _linked(faces: Sequence[Face], pairs: Sequence[tuple[int, int]]) -> list[list[Face]]:
-    """The groups of ``faces`` that ``pairs`` of their numbers connect, in their order."""
+def _connected(
+    faces: Sequence[Face], fits: Callable[[Face, Face], bool] = lambda one, other: True
+) -> list[list[Face]]:
+    """Groups of ``faces``, in their order: linked by edges of two of them that ``fits`` takes."""
+    both = [(beside[0][0], beside[1][0]) for beside in _sides(faces).values() if len(beside) == 2]
+    pairs = [(one, other) for one, other in both if fits(faces[one], faces[other])]
     label = grouped(len(faces), np.array(pairs, int).reshape(-1, 2))
     groups: dict[int, list[Face]] = {}
     for number, face in zip(label.tolist(), faces, strict=True):
@@ -280,9 +279,14 @@ def _outwards(name: str, faces: list[Face], places: Floats) -> list[Face]:
     same: list[Edge] = []  # faces as they are have even numbers, turned ones odd numbers
     for (one, other), sides in _sides(faces).items():
         if len(sides) != 2:
-            where = f"the edge between {_place(places[one])} and {_place(places[other])}"
-            fault = f"{where} {_fault(len(sides))}"
-            raise ValueError(f"{name}: its faces must close a volume; {fault}")
+            ends = [", ".join(f"{value:.6g}" for value in places[end]) for end in (one, other)]
+            fault = (
+                f"is of {len(sides)} faces: bodies that touch there must be objects of their own"
+            )
+            if len(sides) == 1:
+                fault = "is of one face only: close the hole there"
+            where = f"the edge between ({ends[0]}) and ({ends[1]})"
+            raise ValueError(f"{name}: its faces must close a volume; {where} {fault}")
         (first, along), (second, back) = sides
         against = along == back
         same += [(2 * first, 2 * second + against), (2 * first + 1, 2 * second + 1 - against)]
@@ -295,53 +299,32 @@ def _outwards(name: str, faces: list[Face], places: Floats) -> list[Face]:
         others = [[ordered[k] for k in each] for each in parts if each is not part]
         point = places[ordered[part[0]][0]]
         hollow = sum(_is_inside(point, each, places) for each in others) % 2 == 1
-        if (_volume([ordered[k] for k in part], places) < 0.0) != hollow:
+        triangles = places[fans([ordered[k] for k in part])]
+        volume = np.linalg.det(triangles - places[list(ordered[part[0]])].mean(axis=0)).sum()
+        if (volume < 0.0) != hollow:
             for k in part:
                 ordered[k] = ordered[k][::-1]
     return ordered
 
 
-def _fault(count: int) -> str:
-    """What is wrong with an edge of ``count`` faces, and what helps."""
-    if count == 1:
-        return "is of one face only: close the hole there"
-    return f"is of {count} faces: bodies that touch there must be objects of their own"
-
-
-def _place(point: Floats) -> str:
-    return f"({', '.join(f'{value:.6g}' for value in point)})"
-
-
-def _volume(faces: Sequence[Face], places: Floats) -> float:
-    """The volume that closed faces bound, in m3; negative if they are seen from inside."""
-    middle = places[list(faces[0])].mean(axis=0)
-    return float(np.linalg.det(places[fans(faces)] - middle).sum() / 6.0)
-
-
 def _in_planes(name: str, faces: list[Face], places: Floats, size: float) -> list[Face]:
     """Faces of which those in one plane are one, without vertices on straight edges."""
-    pairs = [
-        (sides[0][0], sides[1][0])
-        for sides in _sides(faces).values()
-        if _in_one_plane(places[list(faces[sides[0][0]])], places[list(faces[sides[1][0]])], size)
-    ]
-    if not pairs:
-        require_few_faces(name, len(faces))
-        return faces
-    groups = _linked(faces, pairs)
+
+    def in_one_plane(face: Face, beside: Face) -> bool:
+        """Whether a face continues another; the plane is that of the larger."""
+        one, other = (places[list(each)] for each in (face, beside))
+        if np.ptp(one, axis=0).max() < np.ptp(other, axis=0).max():
+            one, other = other, one
+        normal = normal_of(one)
+        away = np.abs((other - one.mean(axis=0)) @ normal).max()
+        return float(normal @ normal_of(other)) > 0.0 and bool(away <= FLAT * size)
+
+    groups = _connected(faces, in_one_plane)
     require_few_faces(name, len(groups))
+    if len(groups) == len(faces):
+        return faces
     joined = [face for group in groups for face in _outline(group, places, size)]
     return _without_straight(joined, places, size)
-
-
-def _in_one_plane(one: Floats, other: Floats, size: float) -> bool:
-    """Whether a face beside another continues it; the plane is that of the larger."""
-    first, second = normal_of(one), normal_of(other)
-    if float(first @ second) <= 0.0:
-        return False
-    if np.ptp(one, axis=0).max() < np.ptp(other, axis=0).max():
-        one, other, first = other, one, second
-    return float(np.abs((other - one.mean(axis=0)) @ first).max()) <= FLAT * size
 
 
 def _outline(faces: list[Face], places: Floats, size: float) -> list[Face]:
