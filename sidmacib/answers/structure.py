@@ -95,24 +95,23 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
 
     ``limit``: of limit analysis, if it is known. `NoEquilibriumError` if they do not stand.
     """
-    unlimited = False
     try:
         answer = unbounded_answer(problem)
+        without = told(problem.loads, answer.load)
     except UnboundedError as error:
-        answer, unlimited = _as_far_as(problem, _limit_load(problem, limit), error), True
+        answer, without = _as_far_as(problem, _limit_load(problem, limit), error), "any load"
     begins = crushing_begins(answer.assembly, answer.path)
     if begins is None or begins[0] > answer.load:
         return _because(answer, NOT_CRUSHED)
+    load, place = begins
+    words = f"{place} is at its compressive strength from {told(problem.loads, load)} on"
     try:
         most = _limit_load(problem, limit)
     except UnboundedError:
         most = math.inf
-    load, place = begins
-    words = f"{place} is at its compressive strength from {told(problem.loads, load)} on"
     if most >= answer.load:
         return _because(answer, words)
-    more = "any load" if unlimited else told(problem.loads, answer.load)
-    why = f"limited by crushing in limit analysis; {words}; without crushing {more}"
+    why = f"limited by crushing in limit analysis; {words}; without crushing {without}"
     limited = _limited(problem, answer, most, why)
     return replace(limited, given=_at_most(answer.given, most), mode=CRUSHING, mechanism=None)
 

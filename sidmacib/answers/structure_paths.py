@@ -108,12 +108,17 @@ def unbounded_answer(problem: Problem, most: float = math.inf) -> StaticAnswer:
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)
     _refine(problem, found, most)
-    if not bond_fails(found[max(found)].failures):
-        return _answer(found, Counts(peak=True, why=NO_BOND))
-    why = _doubt(problem, found)
-    if why and not found[max(found)].failures.first > 0.0:
-        raise CapacityError(f"bonds fail under its own weight alone, and {why}")
-    return _answer(found, Counts(peak=not why, why=why or AGREE))
+    fails = bond_fails(found[max(found)].failures)
+    doubt = _doubt(problem, found) if fails else ""
+    finest = found[max(found)]
+    if doubt and not finest.failures.first > 0.0:
+        raise CapacityError(f"bonds fail under its own weight alone, and {doubt}")
+    return StaticAnswer(
+        **vars(finest),
+        given=found[1].failures,
+        mesh_errors=_mesh_errors(found),
+        counts=Counts(peak=not doubt, why=doubt or (AGREE if fails else NO_BOND)),
+    )
 
 
 def _refine(problem: Problem, found: dict[int, FollowedPath], most: float) -> None:
@@ -158,22 +163,15 @@ def _unsettled(found: Mapping[int, FollowedPath]) -> str:
         return "the peak is 0 on one of the meshes"
     if error > SETTLED:
         return f"peak not converged (its mesh error: {100.0 * error:.0f} %)"
-    if QUARTER in found and _turned(found, error):
-        return "blocks turn further on each smaller mesh"
-    return ""
-
-
-def _turned(found: Mapping[int, FollowedPath], error: float) -> bool:
-    """Whether rotations may end the path on the next mesh, below the peak by over its ``error``.
-
-    No equilibrium counts in which they are large, and where a block leans on a corner they grow
-    from mesh to mesh by a factor.
-    """
+    if QUARTER not in found:
+        return ""
+    # No equilibrium counts in which rotations are large, and where a block leans on a corner they
+    # grow from mesh to mesh by a factor: on the next, the path may end below the peak.
     half, path = found[HALF].path[-1].rotation, found[QUARTER].path
     growth = max(path[-1].rotation / half, 1.0) if half else 1.0
     counted = (point.load for point in path if point.rotation * growth <= MOST_ROTATION)
-    reached = max(counted, default=0.0)
-    return reached < (1.0 - error) * path[-1].load
+    ends_below = max(counted, default=0.0) < (1.0 - error) * path[-1].load
+    return "blocks turn further on each smaller mesh" if ends_below else ""
 
 
 def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> FollowedPath:
@@ -199,8 +197,3 @@ def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> Foll
 def _mesh_errors(found: Mapping[int, FollowedPath]) -> MeshErrors:
     failures = {divided: each.failures for divided, each in found.items()}
     return structure_mesh_errors(found[1].assembly, failures)
-
-
-def _answer(found: Mapping[int, FollowedPath], counts: Counts) -> StaticAnswer:
-    finest, errors = vars(found[max(found)]), _mesh_errors(found)
-    return StaticAnswer(**finest, given=found[1].failures, mesh_errors=errors, counts=counts)

@@ -13,7 +13,7 @@ down is an assumption.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import accumulate
@@ -151,16 +151,15 @@ class Row:
         flat = shapely.get_coordinates(self.interface.outline.exterior) @ self.interface.axes[1:]
         return shapely.Polygon(flat @ np.array([self.run, self.across]).T)
 
-    def strips(self, solid: Block) -> list[tuple[int, Block]]:
-        """The parts of ``solid`` that lie in each lock, with the number of the lock, from 0."""
-        found = []
-        rest: Block | None = solid
+    def strips(self, rest: Block | None) -> Iterator[tuple[int, Block]]:
+        """The parts of a solid that lie in each lock, with the number of the lock, from 0."""
         for number, edge in enumerate(self.edges[1:-1].tolist()):
-            if rest is None:
-                break
-            here, rest = cut(rest, self.middle + edge * self.across, self.across)
-            found += [(number, here)] if here else []
-        return [*found, (self.locks.count - 1, rest)] if rest else found
+            if rest is not None:
+                here, rest = cut(rest, self.middle + edge * self.across, self.across)
+                if here is not None:
+                    yield number, here
+        if rest is not None:
+            yield self.locks.count - 1, rest
 
 
 @dataclass(frozen=True)
@@ -191,13 +190,11 @@ def cut_off(row: Row, solids: list[Block], side: float) -> tuple[list[Block], li
             raise ValueError(f"{solid.name}, face {number}: must be convex where locks are cut")
         near, far = cut(solid, row.middle + side * half * normal, side * normal)
         left += [far] if far else []
-        if near is None:
-            continue
-        beside = tuple(sides(near, outline, normal))
-        inside, others = clipped(near, beside)
-        left += others
-        for number, part in row.strips(inside) if inside else ():
-            parts.append(LockPart(number, part, beside))
+        if near is not None:
+            beside = tuple(sides(near, outline, normal))
+            inside, others = clipped(near, beside)
+            left += others
+            parts += [LockPart(number, part, beside) for number, part in row.strips(inside)]
     return left, parts
 
 
@@ -253,10 +250,8 @@ def rule_limits(
     try:
         points = _loads(joint, RULES[rule])
     except (CapacityError, ValueError) as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(
-            f"locks of {name}: condensed.rule: {rule} has no answer: {reason}"
-        ) from None
+        why = f"has no answer: {' '.join(str(error).split())}"
+        raise ValueError(f"locks of {name}: condensed.rule: {rule} {why}") from None
     normals = _half_planes(points / (1.0, joint.a)) / (1.0, joint.a)
     pressing = hold_down.force_on(joint.a * joint.total_width) or 0.0
     return ResultantLimits(normals[:, 0], normals[:, 1], pressing)

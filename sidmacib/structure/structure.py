@@ -63,8 +63,7 @@ def structure(
     touch, or no free block.
     """
     names = [block.name for block in blocks]
-    if (twice := _first_twice(names)) is not None:
-        raise refused("blocks", twice, "each name once")
+    _require_once(names, "each name once")
     free = [block.size for block in blocks if not block.fixed]
     if not free:
         raise ValueError("blocks: at least one must be free to move")
@@ -81,8 +80,7 @@ def structure(
     if len(solids) > len(blocks):
         numbers, every = zip(*solids, strict=True)
         found = joined(touching(every, near), numbers, near * mean_size(every))
-    if (twice := _first_twice([piece.name for piece in pieces])) is not None:
-        raise refused("blocks", twice, "a name that no lock has")
+    _require_once([piece.name for piece in pieces], "a name that no lock has")
     _require_held(pieces, found)
     area = math.fsum(each.outline.area for each in found)
     if area / mesh / mesh > MOST_CELLS:  # before they are made
@@ -97,10 +95,10 @@ def structure(
     return Assembly(pieces, faces, of_faces, length, mesh=mesh, layout=nodes)
 
 
-def _first_twice(names: Sequence[str]) -> str | None:
-    """The first name that stands more than once; None if none does."""
-    count = Counter(names)
-    return next((name for name in names if count[name] > 1), None)
+def _require_once(names: Sequence[str], allowed: str) -> None:
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise refused("blocks", name, allowed)
 
 
 def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]) -> None:
@@ -138,12 +136,17 @@ def rows_of(
     names = [block.name for block in blocks]
     pairs = _pairs(found, names)
     _require_touching("locks", locked, pairs)
-    return {
-        pair: _row(
-            pair, locks, [each for each, p in zip(found, pairs, strict=True) if p == pair], names
-        )
-        for pair, locks in locked.items()
-    }
+    rows = {}
+    for pair, locks in locked.items():
+        name = f"locks of {' and '.join(sorted(pair))}"
+        here = [each for each, ends in zip(found, pairs, strict=True) if ends == pair]
+        if len(here) != 1 or len(here[0].outline.interiors):
+            raise ValueError(f"{name}: the blocks must touch in one region without a hole")
+        if locks.first is not None and locks.first not in pair:
+            raise refused(f"{name}: first", locks.first, "one of the two blocks")
+        first = locks.first or names[here[0].below]
+        rows[pair] = Row.of(replace(locks, first=first), here[0], name)
+    return rows
 
 
 def _pairs(found: Sequence[Interface], names: Sequence[str]) -> list[Pair]:
@@ -154,17 +157,6 @@ def _require_touching(key: str, given: Iterable[Pair], pairs: Sequence[Pair]) ->
     for pair in given:
         if pair not in pairs:
             raise refused(key, " and ".join(sorted(pair)), "two blocks that touch")
-
-
-def _row(pair: Pair, locks: Locks, found: list[Interface], names: list[str]) -> Row:
-    name = f"locks of {' and '.join(sorted(pair))}"
-    if len(found) != 1 or len(found[0].outline.interiors):
-        raise ValueError(f"{name}: the blocks must touch in one region without a hole")
-    if locks.first is not None and locks.first not in pair:
-        raise refused(f"{name}: first", locks.first, "one of the two blocks")
-    below = names[found[0].below]
-    first = replace(locks, first=locks.first or below)
-    return Row.of(first, found[0], name)
 
 
 @dataclass(frozen=True)
@@ -214,12 +206,12 @@ def _faces(
     rows: Mapping[Pair, Row],
 ) -> Iterator[Polygon]:
     """The faces between pieces, each with its law and a name of its own."""
-    before: dict[str, int] = {}
+    count: Counter[str] = Counter()
     for each in found:
         ends = each.below, each.above
         name = "-".join(parts[end].piece.name for end in ends)
-        before[name] = number = before.get(name, 0) + 1
-        name += f"-{number}" if number > 1 else ""
+        count[name] += 1
+        name += f"-{count[name]}" if count[name] > 1 else ""
         one, other = (parts[end].owner for end in ends)
         pair = frozenset((one, other))
         row = rows.get(pair)
@@ -261,15 +253,10 @@ def _condensed(
 
 def owners_of(assembly: Assembly) -> list[int]:
     """For each piece its number, or that of the block which it is a lock of."""
-    names = [piece.name for piece in assembly.pieces]
-    owners = list(range(len(names)))
+    is_lock = [bool(LOCK.search(piece.name)) for piece in assembly.pieces]
+    owners = list(range(len(is_lock)))
     for face in assembly.faces:
-        ends = face.below, face.above
-        for lock, block in (ends, ends[::-1]):
-            if (
-                face.kind is Kind.INNER
-                and LOCK.search(names[lock])
-                and not LOCK.search(names[block])
-            ):
+        for lock, block in ((face.below, face.above), (face.above, face.below)):
+            if face.kind is Kind.INNER and is_lock[lock] and not is_lock[block]:
                 owners[lock] = block
     return owners
