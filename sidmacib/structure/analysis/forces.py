@@ -82,7 +82,7 @@ def interface_forces(
         moment = np.cross((places - np.array(face.middle)) @ face.axes.T, on_nodes).sum(axis=0)
         normal, *shear = whole.tolist()
         bonded = float(area[nodes & state.bonded].sum() / area[nodes].sum())
-        at = _centre(places, on_nodes[:, 0])
+        at = _centre(places, force[nodes, 0])
         off = None if at is None else _eccentricity(face, at)
         most = float(used[nodes].max())
         if not bonded and at is not None and normal > nothing:

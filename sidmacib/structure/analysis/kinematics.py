@@ -58,52 +58,6 @@ FALL, WEDGE, MEET, REACHED, FURTHER = "fall", "wedge", "meet", "reached", "furth
 
 
 @dataclass(frozen=True, eq=False)
-class Freedoms:
-    """What can move, and the forces along it.
-
-    ``directions``: of the pieces (m and rad about their centroids) per unit of each freedom,
-    (R, 6 P). ``units``: of the forces along them, in N or N m; ``permanent``: these forces;
-    ``driving``: per unit of the driving one; all (R,). ``unit``: of the driving force.
-    """
-
-    directions: csr_array
-    units: Floats
-    permanent: Floats
-    driving: Floats
-    unit: float
-
-    @classmethod
-    def of(cls, assembly: Assembly, loads: Loads, placed: Placement) -> "Freedoms":
-        """Of the free pieces, and of the support that moves, if one does.
-
-        The driving force acts on the support then. Points where forces act move with the pieces.
-        """
-        rows, width = free_rows(assembly), 6 * len(assembly.pieces)
-        ones = csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), (len(rows), width))
-        always = loads.permanent.copy()
-        if isinstance(loads, StructureLoads):
-            always[:, 3:] = loads.turned_moments(placed.turn)
-        units, permanent = row_units(assembly) * loads.scale, always.ravel()[rows]
-        if isinstance(loads, SupportMotion):
-            moves = np.zeros((1, width))
-            motion = loads.motion(placed.centre[loads.support])
-            moves[0, 6 * loads.support : 6 * loads.support + 6] = motion
-            unit = loads.scale * (assembly.length if loads.turns else 1.0)
-            return cls(
-                vstack([ones, csr_array(moves)], format="csr"),
-                np.append(units, unit),
-                np.append(permanent, 0.0),
-                np.append(np.zeros(len(rows)), 1.0),
-                unit,
-            )
-        driving = loads.variable.copy()
-        if isinstance(loads, PointForce):
-            arms = np.einsum("pij,pj->pi", placed.turn, loads.arms)
-            driving[:, 3:] = np.cross(arms, driving[:, :3])
-        return cls(ones, units, permanent, driving.ravel()[rows], loads.scale)
-
-
-@dataclass(frozen=True, eq=False)
 class Position:
     """A position of the blocks, and limit analysis there.
 
@@ -214,30 +168,56 @@ class Kinematics:
         `InfeasibleError` if no forces balance the permanent loads, `UnboundedError` if the driving
         force has no limit, as blocks wedge.
         """
-        free = Freedoms.of(self.assembly, self.loads, placed)
         scale = self.loads.scale
-        closing = step * free.unit / scale  # of the order of what closes in the step, m
+        directions, units, permanent, driving, unit = self._freedoms(placed)
+        closing = step * unit / scale  # of the order of what closes in the step, m
         contacts = contacts_of(self.assembly, self.sides, placed).closer(FAR * closing)
         every = contacts.matrix(placed.centre)
-        M = (free.directions @ every).multiply((scale / free.units)[:, None]).tocsr()
-        p, q = free.permanent / free.units, free.driving * free.unit / free.units
+        M = (directions @ every).multiply((scale / units)[:, None]).tocsr()
+        p, q = permanent / units, driving * unit / units
         load, s = cp.Variable(), cp.Variable((len(contacts.gap), 3))
         s_n, s_t = s[:, 0], s[:, 1:]
         balance = M @ cp.vec(s, order="C") + p + load * q == 0.0
         friction = cp.norm(s_t, 2, axis=1) <= cp.multiply(contacts.friction, s_n)
         objective = cp.Maximize(load - contacts.gap / closing @ s_n)
         solve(cp.Problem(objective, [balance, s_n >= 0, friction]), WHAT, *ACCURACIES)
-        multipliers = balance.dual_value / free.units
-        motion = free.directions.T @ (multipliers / float(multipliers @ free.driving))
+        multipliers = balance.dual_value / units
+        motion = directions.T @ (multipliers / float(multipliers @ driving))
         return Position(
             placed,
             moved,
-            float(load.value) * free.unit,
+            float(load.value) * unit,
             np.round(motion.reshape(-1, 6), MOTION_DIGITS) + 0.0,
             contacts,
             scale * s.value,
             np.asarray(every.T @ motion).reshape(-1, 3),
         )
+
+    def _freedoms(self, placed: Placement) -> tuple[csr_array, Floats, Floats, Floats, float]:
+        """What can move, and the forces along it: the free pieces, and the support that moves.
+
+        Directions of the pieces (m and rad about their centroids) per unit of each freedom,
+        (R, 6 P); units of the forces along them (N or N m), the permanent ones, and those per unit
+        of the driving force, (R,) each; and its unit. It acts on the support, if one moves; else
+        the points where it acts move with the pieces.
+        """
+        loads, rows, width = self.loads, free_rows(self.assembly), 6 * len(self.assembly.pieces)
+        ones = csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), (len(rows), width))
+        always, driving = loads.permanent.copy(), loads.variable.copy()
+        if isinstance(loads, StructureLoads):
+            always[:, 3:] = loads.turned_moments(placed.turn)
+        units, permanent = row_units(self.assembly) * loads.scale, always.ravel()[rows]
+        if isinstance(loads, SupportMotion):
+            moves = np.zeros((1, width))
+            moves[0, 6 * loads.support :][:6] = loads.motion(placed.centre[loads.support])
+            unit = loads.scale * (self.assembly.length if loads.turns else 1.0)
+            both = vstack([ones, csr_array(moves)], format="csr")
+            alone = np.append(np.zeros(len(rows)), 1.0)
+            return both, np.append(units, unit), np.append(permanent, 0.0), alone, unit
+        if isinstance(loads, PointForce):
+            arms = np.einsum("pij,pj->pi", placed.turn, loads.arms)
+            driving[:, 3:] = np.cross(arms, driving[:, :3])
+        return ones, units, permanent, driving.ravel()[rows], loads.scale
 
     def moving(self, here: Position) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names of the interfaces that are hinges at a position, and of those that slide.
@@ -312,15 +292,10 @@ def capacity_curve(assembly: Assembly, loads: Loads) -> CapacityCurve:
     path = kinematics.path(lambda position: position.load <= 0.0)
     found = path.positions
     load, moved = np.array([(each.load, each.moved) for each in found]).T
-    turned = np.array([_largest_rotation(each) for each in found])
+    cosine = (np.trace([each.placed.turn for each in found], axis1=2, axis2=3) - 1.0) / 2.0
+    turned = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))).max(axis=1)
     if path.end == REACHED and len(load) > 1:
         part = load[-2] / (load[-2] - load[-1])
         for each in (moved, turned, load):
             each[-1] = each[-2] + part * (each[-1] - each[-2])
     return CapacityCurve(moved, load, turned, path, *kinematics.moving(found[0]))
-
-
-def _largest_rotation(position: Position) -> float:
-    """In degrees, of any block."""
-    cosine = (np.trace(position.placed.turn, axis1=1, axis2=2) - 1.0) / 2.0
-    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))).max())

@@ -52,14 +52,17 @@ def blocks_from_mesh(
     file, by default that of a 3dm file, else 1. See `repaired` and `bodies_in`. ValueError if the
     file has no such mesh, or a body is not closed.
     """
-    if path.suffix.lower() == ".3dm":
-        surfaces, of_file = _in_3dm(path)
-    else:
-        surfaces, of_file = _surfaces(path), 1.0
-    frame = turn * (of_file if unit is None else unit)
+    suffix, of_file = path.suffix.lower(), 1.0
+    if suffix not in SUFFIXES:
+        raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
     try:
-        if path.suffix.lower() not in NAMED or len(surfaces) == 1:
+        if suffix == ".3dm":
+            surfaces, of_file = _in_3dm(path)
+        else:
+            surfaces = _surfaces(path)
+        if suffix not in NAMED or len(surfaces) == 1:
             surfaces = _numbered(surfaces)
+        frame = turn * (of_file if unit is None else unit)
         return {
             name: repaired(name, places @ frame.T, faces, density)
             for name, (places, faces) in sorted(surfaces.items())
@@ -70,20 +73,19 @@ def blocks_from_mesh(
 
 def _surfaces(path: Path) -> dict[str, Surface]:
     """The surface of each object in a file, by its name."""
-    if path.suffix.lower() not in SUFFIXES:
-        raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
     try:
         found = _in_obj(path) if path.suffix.lower() == ".obj" else _triangles(path)
     except (OSError, ValueError, IndexError, KeyError, TypeError):
-        raise ValueError(f"file: {path.name}: is no mesh that can be read") from None
+        raise ValueError("is no mesh that can be read") from None
     if not found:
-        raise ValueError(f"file: {path.name}: has no triangles")
+        raise ValueError("has no triangles")
     for places, faces in found.values():
         corners, last = np.concatenate(faces), len(places) - 1
         if len(wrong := corners[(corners < 0) | (corners > last)]):
-            words = f"has a face with vertex {wrong[0]}; it has 0 to {last}; export the mesh again"
-            raise ValueError(f"file: {path.name}: {words}")
-        require_near(f"file: {path.name}", places)
+            raise ValueError(
+                f"has a face with vertex {wrong[0]}; it has 0 to {last}; export the mesh again"
+            )
+        require_near("vertices", places)
     return found
 
 
@@ -132,28 +134,27 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], float]:
     """The surface of each mesh, polysurface or extrusion by its name, and m per unit of the file.
 
     Objects without a name are numbered from 1. Of polysurfaces and extrusions the meshes count that
-    Rhino keeps to draw them. ValueError, which names the file, if it cannot be read.
+    Rhino keeps to draw them. ValueError if it cannot be read.
     """
     try:
         rhino: Any = importlib.import_module("rhino3dm")
     except ImportError:
-        words = "needs the package rhino3dm: pip install multilock[rhino]"
-        raise ValueError(f"file: {path.name}: {words}") from None
+        raise ValueError("needs the package rhino3dm: pip install multilock[rhino]") from None
     model = rhino.File3dm.Read(str(path))
     if model is None:
-        raise ValueError(f"file: {path.name}: is no file of Rhino that can be read")
+        raise ValueError("is no file of Rhino that can be read")
     found: dict[str, Surface] = {}
     for number, each in enumerate(model.Objects, 1):
         meshes = [mesh for mesh in _meshes(rhino, each.Geometry) if mesh is not None]
         if not meshes:
             if isinstance(each.Geometry, rhino.Brep | rhino.Extrusion):
                 words = "has no mesh; shade the view in Rhino and save again"
-                raise ValueError(f"file: {path.name}: {each.Attributes.Name or number}: {words}")
+                raise ValueError(f"{each.Attributes.Name or number}: {words}")
             continue
         name = each.Attributes.Name or str(number)
         found[name if name not in found else f"{name}-{number}"] = _joined(meshes)
     if not found:
-        raise ValueError(f"file: {path.name}: has no meshes, polysurfaces or extrusions")
+        raise ValueError("has no meshes, polysurfaces or extrusions")
     unit = str(model.Settings.ModelUnitSystem).rpartition(".")[2]
     return found, LENGTHS.get(unit, 1.0)
 

@@ -283,7 +283,10 @@ def at_corners(face: Polygon, places: Floats, force: Floats) -> Floats:
     corners = shapely.get_coordinates(face.outline.exterior)[:-1]
     flat = (places - np.array(face.middle)) @ face.axes[1:].T
     numbers = np.array([*triangles(shapely.Polygon(corners), corners)])
-    shares = np.stack([_areal(corners[each], flat) for each in numbers])  # (T, N, 3)
+    first = corners[numbers[:, :1]]
+    sides = np.swapaxes(corners[numbers[:, 1:]] - first, 1, 2)
+    both = np.linalg.solve(sides, np.swapaxes(flat - first, 1, 2))
+    shares = np.stack([1.0 - both.sum(axis=1), both[:, 0], both[:, 1]], axis=2)  # (T, N, 3)
     inside = shares.min(axis=2).argmax(axis=0)  # the triangle that a node is deepest in
     share = shares[inside, np.arange(len(flat))]
     share = np.where(np.abs(share) < CLOSE, 0.0, share)
@@ -292,9 +295,3 @@ def at_corners(face: Polygon, places: Floats, force: Floats) -> Floats:
         found, numbers[inside].ravel(), (share[:, :, None] * force[:, None, :]).reshape(-1, 3)
     )
     return found
-
-
-def _areal(triangle: Floats, places: Floats) -> Floats:
-    """Areal coordinates of ``places``, (N, 2), in a triangle, (3, 2); shape (N, 3)."""
-    both = np.linalg.solve((triangle[1:] - triangle[0]).T, (places - triangle[0]).T)
-    return np.column_stack([1.0 - both.sum(axis=0), *both])

@@ -5,13 +5,13 @@ that it has must hold.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
+from sidmacib.mechanics.assembly import Floats
 from sidmacib.quantities import Number, shown
 from sidmacib.reading import Keys, Way
 from sidmacib.structure.blocks import Block
@@ -74,56 +74,44 @@ def two_blocks(value: Any) -> tuple[str, str]:
 Between = Annotated[Literal["all"] | tuple[str, str] | Rule, BeforeValidator(_between)]
 
 
-@dataclass(frozen=True, eq=False)
-class Selection:
-    """The pairs of ``blocks`` that touch in the interfaces ``found``, for rules to choose from."""
+def chosen_pairs(
+    key: str,
+    between: "str | tuple[str, str] | Rule",
+    blocks: Sequence[Block],
+    found: Sequence[Interface],
+) -> list[Pair]:
+    """The pairs of ``blocks`` that a file's ``between`` stands for: two names, all, or a rule.
 
-    blocks: Sequence[Block]
-    found: Sequence[Interface]
-
-    def pairs(self, key: str, between: "str | tuple[str, str] | Rule") -> list[Pair]:
-        """The pairs that a file's ``between`` stands for: two names, all, or a rule.
-
-        ValueError, which begins with ``key``, for a rule that no pair fits.
-        """
-        if isinstance(between, Rule):
-            return self._by_rule(key, between)
-        return [frozenset(between)] if isinstance(between, tuple) else list(self._normals())
-
-    def _normals(self) -> dict[Pair, list[np.ndarray]]:
-        """The normals of each pair's interfaces, in the order of the interfaces."""
-        normals: dict[Pair, list[np.ndarray]] = {}
-        for each in self.found:
-            pair = frozenset((self.blocks[each.below].name, self.blocks[each.above].name))
-            normals.setdefault(pair, []).append(each.axes[0])
-        return normals
-
-    def _by_rule(self, key: str, rule: Rule) -> list[Pair]:
-        made_of = {block.name: block.material for block in self.blocks}
-        normals = self._normals()
-        chosen = list(normals)
-        if rule.blocks:
-            chosen = [pair for pair in chosen if _fit(sorted(pair), rule.blocks, fnmatchcase)]
-        if rule.materials:
-            known = sorted({of for of in made_of.values() if of is not None})
-            for name in rule.materials:
-                if name not in known:
-                    allowed = ", ".join(known) or "that of a block, none of which has any"
-                    raise ValueError(
-                        f"{key}.materials: {shown(name)} is not allowed; it must be {allowed}"
-                    )
-            chosen = [
-                pair
-                for pair in chosen
-                if _fit([made_of[name] for name in sorted(pair)], rule.materials, str.__eq__)
-            ]
-        if rule.normal:  # either way, and of every interface
-            axis = np.array(rule.normal) / np.linalg.norm(rule.normal)
-            least = np.cos(np.radians(rule.within)) - 1e-9
-            chosen = [p for p in chosen if all(abs(float(n @ axis)) >= least for n in normals[p])]
-        if not chosen:
-            raise ValueError(f"{key}: fits no two blocks that touch")
+    All and rules choose among those that touch in the interfaces ``found``, in their order.
+    ValueError, which begins with ``key``, for a rule that no pair fits.
+    """
+    if isinstance(between, tuple):
+        return [frozenset(between)]
+    normals: dict[Pair, list[Floats]] = {}
+    for each in found:
+        pair = frozenset((blocks[each.below].name, blocks[each.above].name))
+        normals.setdefault(pair, []).append(each.axes[0])
+    chosen = list(normals)
+    if not isinstance(between, Rule):
         return chosen
+    if between.blocks:
+        chosen = [pair for pair in chosen if _fit(sorted(pair), between.blocks, fnmatchcase)]
+    if of := between.materials:
+        made_of = {block.name: block.material for block in blocks}
+        known = sorted({each for each in made_of.values() if each is not None})
+        for name in of:
+            if name not in known:
+                allowed = ", ".join(known) or "that of a block, none of which has any"
+                words = f"{shown(name)} is not allowed; it must be {allowed}"
+                raise ValueError(f"{key}.materials: {words}")
+        chosen = [p for p in chosen if _fit([made_of[n] for n in sorted(p)], of, str.__eq__)]
+    if between.normal:  # either way, and of every interface
+        axis = np.array(between.normal) / np.linalg.norm(between.normal)
+        least = np.cos(np.radians(between.within)) - 1e-9
+        chosen = [p for p in chosen if all(abs(float(n @ axis)) >= least for n in normals[p])]
+    if not chosen:
+        raise ValueError(f"{key}: fits no two blocks that touch")
+    return chosen
 
 
 def _fit(pair: Sequence[Any], texts: tuple[str, str], fits: Callable[[Any, str], bool]) -> bool:

@@ -17,10 +17,9 @@ from sidmacib.structure.files.loads import LoadSection, PermanentSection, perman
 from sidmacib.structure.files.sections import (
     FROM_FILE,
     LocksSection,
-    SpecialSection,
     StructureFile,
 )
-from sidmacib.structure.files.selection import Selection
+from sidmacib.structure.files.selection import chosen_pairs
 from sidmacib.structure.interfaces import NEAR, Interface, interfaces, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
@@ -107,18 +106,18 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
     given = StructureFile.read(description)
     if given.load is not None and given.load_cases is not None:
         raise ValueError("load_cases: must not be given beside load")
-    assembly, found = assembly_of(given, folder), []
+    assembly = assembly_of(given, folder)
     always = permanent_on(assembly, given.permanent, given.tolerance)
     if given.load is not None:
         problem = Problem(assembly, given.load.on(assembly, always))
         return (Demand(problem, given.load.amount(assembly)),)
     if given.load_cases is None:
         return (Demand(Problem(assembly, permanent_only(assembly, always)), raises=False),)
+    found = []
     for name, case in given.load_cases.items():
         key = f"load_cases.{name}"
         own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent")
-        beside = always + own if always and own else always or own
-        loads = case.on(assembly, beside, key)
+        loads = case.on(assembly, always + own if always and own else always or own, key)
         found.append(Demand(Problem(assembly, loads), case.amount(assembly), name))
     return tuple(found)
 
@@ -143,20 +142,28 @@ def blocks_and_rows(
     """
     given = StructureFile.read(description)
     blocks, found = _in_contact(given, folder)
-    rows = rows_of(blocks, _locked(given.locks, Selection(blocks, found)), found)
-    return blocks, rows, given.tolerance
+    return blocks, rows_of(blocks, _locked(given.locks, blocks, found), found), given.tolerance
 
 
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
     """The structure of a ``description``; arguments and errors of `structure_of`."""
     given = StructureFile.read(description)
     blocks, found = _in_contact(given, folder)
-    material, chosen = given.interfaces.material, Selection(blocks, found)
+    special: dict[Pair, FaceMaterial] = {}  # of a pair that fits several, the last
+    named: set[Pair] = set()  # once only
+    for number, section in enumerate(given.special, start=1):
+        key = f"special.{number}.between"
+        pairs = chosen_pairs(key, section.between, blocks, found)
+        if isinstance(section.between, tuple):
+            if named.issuperset(pairs):
+                raise ValueError(f"{key}: {' and '.join(sorted(pairs[0]))} appear twice")
+            named.update(pairs)
+        special |= dict.fromkeys(pairs, section.material(given.interfaces.material))
     return structure(
         blocks,
-        material,
-        _special(given.special, material, chosen),
-        _locked(given.locks, chosen),
+        given.interfaces.material,
+        special,
+        _locked(given.locks, blocks, found),
         mesh=given.mesh or math.inf,
         nodes=given.nodes,
         near=given.tolerance,
@@ -234,30 +241,12 @@ def with_bodies(description: Any, folder: Path) -> Any:
     return {**description, "blocks": blocks}
 
 
-def _special(
-    sections: Sequence[SpecialSection], others: FaceMaterial, chosen: Selection
-) -> dict[Pair, FaceMaterial]:
-    """Materials of pairs of blocks: of a pair that fits several, the last.
-
-    Two blocks may be named only once.
-    """
-    special: dict[Pair, FaceMaterial] = {}
-    once: set[Pair] = set()
-    for number, section in enumerate(sections, start=1):
-        key = f"special.{number}.between"
-        pairs = chosen.pairs(key, section.between)
-        if isinstance(section.between, tuple):
-            if pairs[0] in once:
-                raise ValueError(f"{key}: {' and '.join(sorted(pairs[0]))} appear twice")
-            once.add(pairs[0])
-        special |= dict.fromkeys(pairs, section.material(others))
-    return special
-
-
-def _locked(sections: Sequence[LocksSection], chosen: Selection) -> dict[Pair, Locks]:
+def _locked(
+    sections: Sequence[LocksSection], blocks: Sequence[Block], found: Sequence[Interface]
+) -> dict[Pair, Locks]:
     """Locks of pairs of blocks; of a pair that fits several, the last."""
     locked: dict[Pair, Locks] = {}
     for number, section in enumerate(sections, start=1):
-        pairs = chosen.pairs(f"locks.{number}.between", section.between)
+        pairs = chosen_pairs(f"locks.{number}.between", section.between, blocks, found)
         locked |= dict.fromkeys(pairs, section.locks())
     return locked
