@@ -32,7 +32,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.limit import LimitState
-from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.mechanics.solution import Equilibrium, OtherSearches, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.structure.analysis.limit import (
@@ -142,12 +142,12 @@ def _as_far_as(problem: Problem, most: float, error: UnboundedError) -> StaticAn
     )
 
 
-class _UpTo:
+class _UpTo(OtherSearches):
     """A ``solver`` that finds no equilibria above the load ``most`` (N)."""
 
     def __init__(self, solver: Solver, most: float) -> None:
-        self.solver, self.most = solver, most
-        self.contact_law, self.start, self.lift = solver.contact_law, solver.start, solver.lift
+        super().__init__(solver)
+        self.most, self.lift = most, solver.lift
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False

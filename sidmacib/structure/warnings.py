@@ -16,7 +16,7 @@ BLOCK = Number(unit="m", likely=(1e-3, 50.0))  # diagonal of a block
 DENSITY = Number(unit="kg/m3", likely=(100.0, 3e4))  # below are kN/m3 and t/m3
 MOST = 5  # lines: where one block is in another unit, all are
 NEARLY = 0.01  # over the blocks' mean size: larger gaps are meant, as a rule
-Pair = tuple[int, int]
+Pair = frozenset[int]
 
 
 def structure_warnings(
@@ -32,7 +32,10 @@ def structure_warnings(
         if isinstance(piece, Block) and not piece.fixed:
             values.append((f"{piece.name}: diagonal", piece.size, BLOCK))
             values.append((f"{piece.name}: density", piece.density, DENSITY))
-    units = [*beyond(values), *_of_faces(assembly)]
+    units = list(beyond(values))
+    # Of each material of a face, named after the first that has it.
+    for law, name in {face.material: face.name for face in reversed(assembly.faces)}.items():
+        units += material_warnings(f"{name}: ", law)
     return [*units[:MOST], *_near_misses(assembly, near, from_file)]
 
 
@@ -46,13 +49,13 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
     touch: Counter[Pair] = Counter()  # m2
     for face in assembly.faces:
         if isinstance(face, Polygon):
-            touch[_pair(face.below, face.above)] += face.outline.area
+            touch[frozenset((face.below, face.above))] += face.outline.area
     size = mean_size(solids)
     apart: dict[Pair, list[tuple[float, float]]] = {}
     for gap, each in close(solids, min(most_near(solids), NEARLY) * size):
-        pair = _pair(owner[each.below], owner[each.above])
+        pair = frozenset((owner[each.below], owner[each.above]))
         taken = pair in touch if from_file else abs(gap) <= near * size * (1.0 + 1e-9)
-        if not taken and pair[0] != pair[1]:
+        if not taken and len(pair) == 2:
             apart.setdefault(pair, []).append((abs(gap), each.outline.area))
     nearly = {
         pair: max(gap for gap, _ in regions)
@@ -64,7 +67,7 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
     gap = next_step(sorted(nearly.values()))
     pairs = [pair for pair, of in nearly.items() if of <= gap]
     area = math.fsum(area for pair in pairs for _, area in apart[pair])
-    one, other = (assembly.pieces[number].name for number in pairs[0])
+    one, other = (assembly.pieces[number].name for number in sorted(pairs[0]))
     remedy = "they have no interface in the file"
     if not from_file:
         remedy = f"tolerance: {tolerance_for(gap, size)} takes them as touching"
@@ -73,14 +76,3 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
         f"{len(pairs)} more ({area:.3g} m2), such as {one} and {other}, do not, but are up to "
         f"{gap:.2g} m apart; {remedy}"
     )
-
-
-def _pair(one: int, other: int) -> Pair:
-    return min(one, other), max(one, other)
-
-
-def _of_faces(assembly: Assembly) -> Iterator[str]:
-    """Warnings of each material of a face, named after the first that has it."""
-    named = {face.material: face.name for face in reversed(assembly.faces)}
-    for law, name in named.items():
-        yield from material_warnings(f"{name}: ", law)

@@ -21,10 +21,10 @@ import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, rotated
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.mechanics.solution import Equilibrium, OtherSearches
 from sidmacib.mechanics.static import INCREMENT, brittle_path
 from sidmacib.structure.loads import Permanent, beside_of, free_weight, permanent_only
 
@@ -127,27 +127,24 @@ def static_tilt(assembly: Assembly, loads: Loads) -> StaticTilt:
     if found.by_bonds:
         return StaticTilt(found.first_failure_load, to_peak, Motion.BONDS, None)
     mechanism = solver.mechanism(found.path[-1])
-    motion = kind_of_motion(assembly, mechanism)
+    motion = _kind_of_motion(assembly, mechanism)
     return StaticTilt(found.first_failure_load, to_peak, motion, mechanism)
 
 
-class _Turning:
+class _Turning(OtherSearches):
     """Equilibria under gravity that turns; the load is the angle in degrees."""
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
         self.assembly, self.loads = assembly, loads
         self.upright = RigidSolver(assembly, turned(loads, 0.0))
-
-    @property
-    def contact_law(self) -> ContactLaw:
-        return self.upright.contact_law
+        super().__init__(self.upright)
 
     def at(self, angle: float) -> RigidSolver:
         return self.upright.under(turned(self.loads, angle))
 
     def start(self) -> Equilibrium:
         try:
-            return self.upright.start()
+            return super().start()
         except NoEquilibriumError:
             raise NoEquilibriumError(DOES_NOT_STAND) from None
 
@@ -174,7 +171,7 @@ class _Turning:
         return motion_of(self.assembly, found)
 
 
-def kind_of_motion(assembly: Assembly, mechanism: Floats) -> Motion:
+def _kind_of_motion(assembly: Assembly, mechanism: Floats) -> Motion:
     """Whether blocks that move as a ``mechanism``, (P, 6), slide or rock."""
     apart = (equilibrium_matrix(assembly).T @ mechanism.ravel()).reshape(-1, 3)
     opening, sliding = -apart[:, 0], np.hypot(apart[:, 1], apart[:, 2])
