@@ -243,24 +243,17 @@ def close(blocks: Sequence[Block], near: float) -> list[tuple[float, Interface]]
         for number, block in enumerate(blocks)
         for corners in block.outlines
     ]
-    edge = min(near, EDGE * size)
-    found: list[tuple[float, Interface]] = []
-    for one, other in _facing(sides, [block.fixed for block in blocks], near):
-        found += _overlap(sides[one], sides[other], near, edge, centre)
-    return sorted(found, key=lambda each: (each[1].below, each[1].above, each[1].middle))
-
-
-def _facing(sides: Sequence[_Side], fixed: Sequence[bool], near: float) -> list[list[int]]:
-    """Pairs of faces that look at each other, in the order of their blocks, whose boxes meet."""
     low = np.array([side.corners.min(axis=0) for side in sides]) - near / 2.0
     high = np.array([side.corners.max(axis=0) for side in sides]) + near / 2.0
     one, other = (pairs := meeting_boxes(low, high)).T
     block = np.array([side.block for side in sides])
-    normal, held = np.array([side.normal for side in sides]), np.array(fixed)[block]
-    kept = (block[one] < block[other]) & ~(held[one] & held[other])
-    kept &= np.einsum("ij,ij->i", normal[one], normal[other]) < -ALONG
-    found: list[list[int]] = pairs[kept].tolist()
-    return found
+    normal, held = np.array([side.normal for side in sides]), np.array([b.fixed for b in blocks])
+    facing = (block[one] < block[other]) & ~(held[block[one]] & held[block[other]])
+    facing &= np.einsum("ij,ij->i", normal[one], normal[other]) < -ALONG
+    found: list[tuple[float, Interface]] = []
+    for here, there in pairs[facing].tolist():
+        found += _overlap(sides[here], sides[there], near, min(near, EDGE * size), centre)
+    return sorted(found, key=lambda each: (each[1].below, each[1].above, each[1].middle))
 
 
 def _overlap(

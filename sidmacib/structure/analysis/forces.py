@@ -78,15 +78,17 @@ def interface_forces(
     for number, face in enumerate(assembly.faces):
         nodes = assembly.nodes.face == number
         places, on_nodes, material = assembly.nodes.position[nodes], force[nodes], face.material
-        whole = on_nodes.sum(axis=0)
-        moment = np.cross((places - np.array(face.middle)) @ face.axes.T, on_nodes).sum(axis=0)
+        whole, middle = on_nodes.sum(axis=0), np.array(face.middle)
+        moment = np.cross((places - middle) @ face.axes.T, on_nodes).sum(axis=0)
         normal, *shear = whole.tolist()
         bonded = float(area[nodes & state.bonded].sum() / area[nodes].sum())
-        at = _centre(places, force[nodes, 0])
-        off = None if at is None else _eccentricity(face, at)
-        most = float(used[nodes].max())
-        if not bonded and at is not None and normal > nothing:
-            most = max(off or 0.0, _rubbing(face, places - at, on_nodes, limit[nodes], nothing))
+        at, off, most = None, None, float(used[nodes].max())
+        if abs(normal) > LEVERAGE * float(np.abs(pressing := force[nodes, 0]).sum()):
+            at = pressing @ places / float(pressing.sum())
+            outward, reach = hull_sides((face.corners - middle) @ face.axes[1:].T)
+            off = float((outward @ (face.axes[1:] @ (at - middle)) / reach).max())
+            if not bonded and normal > nothing:
+                most = max(off, _rubbing(face, places - at, on_nodes, limit[nodes], nothing))
         if number in crushing:
             most = max(most, float(crushing[number][0]))
         found.append(
@@ -112,14 +114,6 @@ def interface_forces(
     return tuple(found)
 
 
-def _eccentricity(face: Face, at: Floats) -> float:
-    """Distance of the point ``at`` (m) from the middle of a face, over that of the edge beyond."""
-    middle = np.array(face.middle)
-    flat = (face.corners - middle) @ face.axes[1:].T
-    outward, reach = hull_sides(flat)
-    return float((outward @ (face.axes[1:] @ (at - middle)) / reach).max())
-
-
 def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: float) -> float:
     """Shear, and torsion about the point of action, over what friction allows.
 
@@ -141,14 +135,6 @@ def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: fl
             for demand, limit, least in pairs
         )
     )
-
-
-def _centre(places: Floats, normal: Floats) -> Floats | None:
-    """Centre of normal forces, (N,) in N, at ``places``, (N, 3) in m; None if they add up to 0."""
-    whole = float(normal.sum())
-    if abs(whole) <= LEVERAGE * float(np.abs(normal).sum()):
-        return None
-    return np.asarray(normal @ places / whole)
 
 
 RESULTANTS = [each.name for each in fields(InterfaceRow)][6:]

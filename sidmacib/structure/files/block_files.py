@@ -145,28 +145,21 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], float]:
         raise ValueError("is no file of Rhino that can be read")
     found: dict[str, Surface] = {}
     for number, each in enumerate(model.Objects, 1):
-        meshes = [mesh for mesh in _meshes(rhino, each.Geometry) if mesh is not None]
-        if not meshes:
-            if isinstance(each.Geometry, rhino.Brep | rhino.Extrusion):
-                words = "has no mesh; shade the view in Rhino and save again"
-                raise ValueError(f"{each.Attributes.Name or number}: {words}")
-            continue
-        name = each.Attributes.Name or str(number)
-        found[name if name not in found else f"{name}-{number}"] = _joined(meshes)
+        parts, solid = [each.Geometry], isinstance(each.Geometry, rhino.Brep | rhino.Extrusion)
+        if isinstance(each.Geometry, rhino.Brep):
+            parts = list(each.Geometry.Faces)
+        meshes = [part.GetMesh(rhino.MeshType.Any) for part in parts] if solid else parts
+        meshes = [mesh for mesh in meshes if isinstance(mesh, rhino.Mesh)]
+        if solid and not meshes:
+            words = "has no mesh; shade the view in Rhino and save again"
+            raise ValueError(f"{each.Attributes.Name or number}: {words}")
+        if meshes:
+            name = each.Attributes.Name or str(number)
+            found[name if name not in found else f"{name}-{number}"] = _joined(meshes)
     if not found:
         raise ValueError("has no meshes, polysurfaces or extrusions")
     unit = str(model.Settings.ModelUnitSystem).rpartition(".")[2]
     return found, LENGTHS.get(unit, 1.0)
-
-
-def _meshes(rhino: Any, geometry: Any) -> list[Any]:
-    if isinstance(geometry, rhino.Mesh):
-        return [geometry]
-    if isinstance(geometry, rhino.Extrusion):
-        return [geometry.GetMesh(rhino.MeshType.Any)]
-    if isinstance(geometry, rhino.Brep):
-        return [face.GetMesh(rhino.MeshType.Any) for face in geometry.Faces]
-    return []
 
 
 def _joined(meshes: list[Any]) -> Surface:

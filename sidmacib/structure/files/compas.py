@@ -82,10 +82,15 @@ def read_compas(
         held = chosen(asked, [str(node.number) for node in nodes], "a node of")
     if not held and fixed is None:
         raise ValueError(f"{path.name}: calls no node a support; name the fixed nodes")
-    return tuple(
-        _block(f"{name}-{node.number}", node, density, frame, str(node.number) in held)
-        for node in nodes
-    )
+    found = []
+    for node in nodes:
+        places, faces = node.surface[0] @ frame.T, node.surface[1]
+        if is_held := str(node.number) in held:
+            places, faces = with_depth(places, faces)
+        of = density if node.density is None else node.density
+        block = repaired(f"{name}-{node.number}", places, faces, of)
+        found.append(replace(block, fixed=is_held, material=node.material))
+    return tuple(found)
 
 
 def read_compas_interfaces(
@@ -98,8 +103,15 @@ def read_compas_interfaces(
     no face.
     """
     nodes = {block.name.rpartition("-")[2]: place for place, block in enumerate(blocks)}
+    with _understood(path):
+        edges = [
+            (one, other, _numbers([of["data"] if isinstance(of, dict) else of for of in corners]))
+            for one, others in graph_in(content_of(path))["edge"].items()
+            for other, edge in others.items()
+            for corners in _contacts(edge)
+        ]
     found = []
-    for one, other, points in _edges_in(path):
+    for one, other, points in edges:
         name = f"edge between {shown(one)} and {shown(other)}"
         if one not in nodes or other not in nodes:
             raise ValueError(f"{name}: must be between two blocks of the file")
@@ -175,17 +187,6 @@ def graph_in(content: Any) -> Mapping[str, Any]:
         both = {node: {**of, "block": held["blocks"][node]} for node, of in nodes.items()}
         return {**graph, "node": both}
     return held if "node" in held else data_of(held["graph"])
-
-
-def _edges_in(path: Path) -> list[tuple[str, str, Floats]]:
-    """Two nodes and the corners (m), (K, 3), of each interface in a file; ValueError."""
-    with _understood(path):
-        return [
-            (one, other, _numbers([of["data"] if isinstance(of, dict) else of for of in corners]))
-            for one, others in graph_in(content_of(path))["edge"].items()
-            for other, edge in others.items()
-            for corners in _contacts(edge)
-        ]
 
 
 def _contacts(edge: Mapping[str, Any]) -> Iterator[list[Any]]:
@@ -299,12 +300,3 @@ def _surface(name: str, mesh: Mapping[str, Any]) -> Surface:
         raise ValueError(f"{name}: a vertex or face is not understood ({error!r})") from None
     require_near(name, places)
     return places.reshape(-1, 3), outlines
-
-
-def _block(name: str, node: _Node, density: float, frame: Floats, fixed: bool) -> Block:
-    places, faces = node.surface
-    places = places @ frame.T
-    if fixed:
-        places, faces = with_depth(places, faces)
-    block = repaired(name, places, faces, density if node.density is None else node.density)
-    return replace(block, fixed=fixed, material=node.material)

@@ -6,7 +6,7 @@ Editors check files by a schema that is made from these sections, as is the page
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
@@ -32,11 +32,13 @@ _Index = Annotated[int, Number(at_least=0, whole=True)]
 _Density = Annotated[float, DENSITIES]
 
 
-class _Numbers(Keys):
+class _Law(Keys):
+    of: ClassVar[Any] = FaceMaterial
+
     @property
-    def material(self) -> FaceMaterial:
+    def material(self) -> Any:
         """The material of a face."""
-        return FaceMaterial(**self.model_dump(include={*NUMBERS}))
+        return self.of(**self.model_dump(include=set(kinds_of(self.of))))
 
 
 _INTERFACE: Any = section_of(INTERFACE, *NUMBERS)
@@ -53,18 +55,14 @@ class _Crushed(Keys):
     """of the blocks, where they are pressed, Pa; by default none is exceeded"""
 
 
-class InterfaceSection(_INTERFACE, _Crushed):
+class InterfaceSection(_INTERFACE, _Crushed, _Law):
     """The law of faces, which are bonded if the cohesion or the tensile strength is above 0.
 
     Limit analysis uses no stiffnesses. ``friction``: coefficient μ, of a bonded face after it has
     failed; ``bond_friction``: of a bond while it holds, c + μσ.
     """
 
-    @property
-    def material(self) -> CrushedMaterial:
-        """The material of an interface."""
-        return CrushedMaterial(**self.model_dump(include={*NUMBERS, "compressive_strength"}))
-
+    of: ClassVar = CrushedMaterial
     from_file: StrictBool = False
     """whether interfaces are those that files of COMPAS bring, and not found by faces that touch"""
 
@@ -74,11 +72,11 @@ class InterfaceSection(_INTERFACE, _Crushed):
         return {FROM_FILE: True} if value == FROM_FILE else value
 
 
-class InnerSection(_INNER, _Numbers):
+class InnerSection(_INNER, _Law):
     """The law of the roots of locks."""
 
 
-class DrySection(_DRY, _Numbers):
+class DrySection(_DRY, _Law):
     """The law of all other faces of locks."""
 
 
