@@ -60,21 +60,17 @@ def static_answer(
     with naming_permanent(problem.loads):
         if crushed_faces(problem.assembly):
             return with_crushing(problem, limit)
-        if all(face.kind is Kind.DRY for face in problem.assembly.faces):
-            return bounded(problem, limit)
-        return unbounded_answer(problem)
-
-
-def bounded(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
-    """The answer for dry blocks that no pressure crushes; ``limit``: as for `with_crushing`."""
-    answer = unbounded_answer(problem)
-    most = _bound(problem, answer.load, limit)
-    if answer.load > (1.0 + SMALL) * most:
-        answer = unbounded_answer(problem, most)
-    if not most < (1.0 - LOWER) * answer.load:
-        return answer
-    alone = f"limit analysis is below the static model alone, {told(problem.loads, answer.load)}"
-    return _limited(problem, answer, most, f"{answer.counts.why}; {alone}")
+        answer = unbounded_answer(problem)
+        if not all(face.kind is Kind.DRY for face in problem.assembly.faces):
+            return answer
+        most = _bound(problem, answer.load, limit)
+        if answer.load > (1.0 + SMALL) * most:
+            answer = unbounded_answer(problem, most)
+        if not most < (1.0 - LOWER) * answer.load:
+            return answer
+        alone = told(problem.loads, answer.load)
+        why = f"{answer.counts.why}; limit analysis is below the static model alone, {alone}"
+        return _limited(problem, answer, most, why)
 
 
 def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:
@@ -112,15 +108,16 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
     if most >= answer.load:
         return _because(answer, words)
     why = f"limited by crushing in limit analysis; {words}; without crushing {without}"
+    given = Failures(*np.minimum(answer.given, most).tolist())
     limited = _limited(problem, answer, most, why)
-    return replace(limited, given=_at_most(answer.given, most), mode=CRUSHING, mechanism=None)
+    return replace(limited, given=given, mode=CRUSHING, mechanism=None)
 
 
 def _limited(problem: Problem, answer: StaticAnswer, most: float, why: str) -> StaticAnswer:
     """The ``answer`` up to the load ``most`` of limit analysis; ``why`` it is what counts."""
     return replace(
         answer,
-        failures=_at_most(answer.failures, most),
+        failures=Failures(*np.minimum(answer.failures, most).tolist()),
         mesh_errors=MeshErrors(answer.mesh_errors.first, limit_mesh_error(problem, most)),
         counts=Counts(peak=True, why=why),
         path=_up_to(answer.path, most),
@@ -219,10 +216,6 @@ def _limit_load(problem: Problem, limit: LimitState | CapacityError | None) -> f
         return (limit_state(*problem) if limit is None else limit).load
     except InfeasibleError as error:
         raise NoEquilibriumError(str(error)) from None
-
-
-def _at_most(failures: Failures, load: float) -> Failures:
-    return Failures(*np.minimum(failures, load).tolist())
 
 
 def _because(answer: StaticAnswer, words: str) -> StaticAnswer:

@@ -53,19 +53,16 @@ def vertex_effects(
     size = mean_size(blocks)
     problem = build(blocks)
     weight = free_weight(problem.assembly)
-    groups = (
-        [place[None] for place in _places(blocks, NEAR * size)]
-        if together is None
-        else [np.array(group, float).reshape(-1, 3) for group in together]
-    )
+    if together is None:
+        together = [[place] for place in vectors(_places(blocks, NEAR * size))]
+    groups = [np.array(group, float).reshape(-1, 3) for group in together]
     changes: dict[str, Change] = {}
     for number, group in enumerate(groups):
-        for axis in range(3):
-            shift = STEP * size * np.eye(3)[axis]
+        for axis, shift in zip("xyz", STEP * size * np.eye(3), strict=True):
             before, after = (
                 _moved(build, problem.assembly, blocks, group, each) for each in (-shift, shift)
             )
-            changes[f"{number}{'xyz'[axis]}"] = Change(before, after, 2.0 * STEP * size, size)
+            changes[f"{number}{axis}"] = Change(before, after, 2.0 * STEP * size, size)
     derived = limit_derivatives(*problem, changes, friction=friction)
     effects = []
     for number, group in enumerate(groups):
@@ -73,7 +70,7 @@ def vertex_effects(
         by_load = tuple(derived.by[name] for name in names)
         by_weight = [
             (free_weight(each.after[0]) - free_weight(each.before[0])) / each.difference
-            for each in map(changes.__getitem__, names)
+            for each in (changes[name] for name in names)
         ]
         by_factor = tuple(
             None if load is None else (load - derived.load / weight * heavier) / weight
@@ -84,13 +81,13 @@ def vertex_effects(
     return tuple(effects)
 
 
-def _places(blocks: Sequence[Block], near: float) -> list[Floats]:
+def _places(blocks: Sequence[Block], near: float) -> Floats:
     """All places of vertices, those of several blocks once."""
     found: list[Floats] = []
     for place in np.concatenate([block.places for block in blocks]):
         if not any(np.linalg.norm(place - other) <= near for other in found):
             found.append(place)
-    return found
+    return np.array(found)
 
 
 def _at(block: Block, places: Floats, near: float) -> Flags:
