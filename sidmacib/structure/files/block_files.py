@@ -246,9 +246,8 @@ class FileSection(Keys):
             raise ValueError(f"blocks.{name}.{error}") from None
 
     def interfaces(self, folder: Path, blocks: Sequence[Block]) -> tuple[Interface, ...]:
-        """Those that a file of COMPAS brings between its ``blocks``; none of another file."""
-        path = folder / self.file
-        return read_compas_interfaces(path, blocks, self._frame) if self.is_compas else ()
+        """Those that a file of COMPAS brings between its ``blocks``."""
+        return read_compas_interfaces(folder / self.file, blocks, self._frame)
 
     @property
     def is_compas(self) -> bool:
@@ -267,9 +266,8 @@ class FileSection(Keys):
                 raise refused("fixed", self.fixed, "a list of nodes")
             fixed = () if self.fixed is None and self.fixed_below is not None else self.fixed
             return list(read_compas(path, self.density, fixed, name, self._frame))
-        bodies = blocks_from_mesh(
-            path, self.density, np.array(UPWARDS[self.up], float), self.length
-        )
+        turn = np.array(UPWARDS[self.up], float)
+        bodies = blocks_from_mesh(path, self.density, turn, self.length)
         alone = len(bodies) == 1
         return [replace(b, name=name if alone else f"{name}-{k}") for k, b in bodies.items()]
 

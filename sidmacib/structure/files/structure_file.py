@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block
@@ -43,10 +41,13 @@ def description_in(
     """
     more = dict(more or {})
     of_blocks = more.pop("blocks", {})
-    if path.suffix.lower() in OF_BLOCKS:
-        beside = path.with_suffix(".yaml")
-        given = read_yaml(beside) if beside.is_file() else {}
-        if isinstance(given, dict) and "blocks" in given:
+    alone = path.suffix.lower() in OF_BLOCKS
+    beside = path.with_suffix(".yaml") if alone else path
+    given = {} if alone and not beside.is_file() else read_yaml(beside)
+    if not isinstance(given, dict):
+        return given
+    if alone:
+        if "blocks" in given:
             if left_out is None:
                 raise ValueError(
                     f"{beside.name}: blocks: must not be there, as {path.name} beside it has them; "
@@ -54,16 +55,10 @@ def description_in(
                 )
             left_out(beside.name)
             given = {}
-        own = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
-        given = own | given if isinstance(given, dict) else given
-    else:
-        given = read_yaml(path)
-    if not isinstance(given, dict):
-        return given
-    if of_blocks and path.suffix.lower() not in OF_BLOCKS:
+        blocks = {NAME: {"file": path.name, **of_blocks}}
+        given = {"blocks": blocks, "load": {"acceleration": [1, 0, 0]}} | given
+    elif of_blocks:
         raise ValueError(f"{', '.join(of_blocks)}: must be in {path.name}, which has the blocks")
-    if of_blocks:
-        given["blocks"] = {NAME: {**given["blocks"][NAME], **of_blocks}}
     for key, value in more.items():
         held = given.get(key)
         both = isinstance(held, dict) and isinstance(value, dict)
@@ -188,11 +183,11 @@ def _of_files(
     ``made``: the blocks of each entry. ValueError if no file brings any.
     """
     found: list[Interface] = []
-    entry = np.repeat(np.arange(len(made)), [len(each) for each in made])
+    entry = [number for number, each in enumerate(made) for _ in each]
     brings = set()
     for number, (section, blocks) in enumerate(zip(given.blocks.values(), made, strict=True)):
         if isinstance(section, FileSection) and section.is_compas:
-            start = int(np.searchsorted(entry, number))
+            start = entry.index(number)
             brings.add(number)
             found += [
                 replace(each, below=start + each.below, above=start + each.above)
