@@ -6,7 +6,6 @@ each region are integrated exactly.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -23,49 +22,33 @@ LEAST = 1e-9  # of a face's area: smaller regions carry nothing
 Bounds = Mapping[int, tuple[float, float]]  # least and largest coordinate (m) by axis
 
 
-@dataclass(frozen=True)
-class Sides:
-    """Sides of free blocks whose names fit one of the patterns ``blocks``.
-
-    That is where their outward normal is within an angle ``within`` (degrees) of ``side``, and the
-    coordinates are in ``bounds``. At 90 degrees: all faces that look that way at all.
-    """
-
-    blocks: Sequence[str]
-    side: Vector
-    within: float
-    bounds: Bounds
-
-    def looks(self, normal: Floats) -> bool:
-        """Whether a face with this outward ``normal``, (3,), is one."""
-        along = float(normal @ self.unit)
-        return along > max(math.cos(math.radians(self.within)) - CLOSE, 1e-6)
-
-    @property
-    def unit(self) -> Floats:
-        """The side, of length 1."""
-        return np.array(self.side) / np.linalg.norm(self.side)
-
-
 def pressing(
     assembly: Assembly,
-    sides: Sides,
+    blocks: Sequence[str],
+    side: Vector,
+    within: float,
+    bounds: Bounds,
     pressure: Callable[[Floats], Floats],
     along: Floats | None = None,
     near: float = NEAR,
 ) -> Permanent:
-    """Loads by a ``pressure`` (Pa), a linear function of points, (K, 3) in m, on ``sides``.
+    """Loads by a ``pressure`` (Pa), a linear function of points, (K, 3) in m, on sides of blocks.
 
+    They are free blocks whose names fit one of the patterns ``blocks``, and faces whose outward
+    normal is within an angle ``within`` (degrees) of ``side``, as far as coordinates are in
+    ``bounds``. At 90 degrees: all faces that look that way at all.
     It pushes against each face, or acts in the direction ``along``, of length 1, on the area
     projected onto the plane across it. ``near``: tolerance of interfaces, as in `structure`.
     ValueError if no side of a free block is there.
     """
     pieces = assembly.pieces
     free = [number for number, piece in enumerate(pieces) if not piece.fixed]
-    chosen = [n for n in free if any(fnmatchcase(pieces[n].name, each) for each in sides.blocks)]
+    chosen = [n for n in free if any(fnmatchcase(pieces[n].name, each) for each in blocks)]
     if not chosen:
         allowed = f"names of free blocks, such as {pieces[free[0]].name}"
-        raise refused("blocks", " ".join(sides.blocks), allowed)
+        raise refused("blocks", " ".join(blocks), allowed)
+    outward = np.array(side) / np.linalg.norm(side)
+    least = max(math.cos(math.radians(within)) - CLOSE, 1e-6)
     found = Permanent.none(len(pieces))
     area = 0.0
     for number in chosen:
@@ -73,16 +56,16 @@ def pressing(
         covers = _covers(assembly, number, near)
         for solid in solids_of(piece):
             for corners, normal in zip(solid.outlines, solid.normals, strict=True):
-                if not sides.looks(normal):
+                if float(normal @ outward) <= least:
                     continue
-                points, areas = _exposed(corners, normal, covers, sides.bounds, near * solid.size)
+                points, areas = _exposed(corners, normal, covers, bounds, near * solid.size)
                 area += float(areas.sum())
                 way = -normal if along is None else along * abs(float(normal @ along))
                 forces = (pressure(points) * areas)[:, None] * way
                 found += Permanent.of(len(pieces), number, points - piece.centre, forces)
     if not area > 0.0:
         raise ValueError(
-            f"no free face of these blocks looks that way there, within {sides.within:g} degrees"
+            f"no free face of these blocks looks that way there, within {within:g} degrees"
         )
     return found
 

@@ -22,7 +22,7 @@ from sidmacib.structure.loads import (
     permanent_force,
     support_moves,
 )
-from sidmacib.structure.pressures import Sides, pressing
+from sidmacib.structure.pressures import pressing
 from sidmacib.validation import refused
 
 Newtons = Annotated[float, Number(above=0, unit="N")]
@@ -77,17 +77,15 @@ class _OnSides(Keys):
     z: _Range | None = None
     """likewise"""
 
-    def on(self, assembly: Assembly, near: float) -> Permanent:
+    def on(self: Any, assembly: Assembly, near: float) -> Permanent:
         """The load on ``assembly``; ValueError that names the key."""
-        return pressing(assembly, self._sides(), self._pressure, self._along(), near)
-
-    def _sides(self: Any) -> Sides:
-        bounds = {axis: getattr(self, name) for axis, name in enumerate("xyz")}
-        bounds = {axis: each for axis, each in bounds.items() if each is not None}
-        if (level := getattr(self, "level", None)) is not None:
-            low, high = bounds.get(2, (-math.inf, level))
-            bounds[2] = low, min(high, level)
-        return Sides(self.blocks, self.side, self.within, bounds)
+        given = {axis: getattr(self, name) for axis, name in enumerate("xyz")}
+        bounds = {axis: each for axis, each in given.items() if each is not None}
+        if "level" in type(self).model_fields:
+            low, high = bounds.get(2, (-math.inf, self.level))
+            bounds[2] = low, min(high, self.level)
+        sides = self.blocks, self.side, self.within, bounds
+        return pressing(assembly, *sides, self._pressure, self._along(), near)
 
     def _pressure(self: Any, at: Floats) -> Floats:
         """The pressure (Pa) at points, (K, 3) in m."""
@@ -170,7 +168,7 @@ class EarthSection(_OnSides):
         return np.asarray(self.coefficient * vertical)
 
     def _along(self) -> Floats:
-        return -self._sides().unit
+        return -np.array(self.side) / np.linalg.norm(self.side)
 
 
 class PermanentSection(Keys):

@@ -160,16 +160,12 @@ class LocksSection(Keys):
 
     def locks(self) -> Locks:
         """The section as the models take it; ValueError if its keys do not fit."""
+        same = ("count", "height", "row", "run", "first", "widths")
         return Locks(
-            self.count,
-            self.height,
-            self.row,
-            self.run,
-            self.first,
-            self.widths,
-            self.inner.material,
-            self.dry.material,
-            self.condensed.condensed() if self.condensed else None,
+            **{name: getattr(self, name) for name in same},
+            inner=self.inner.material,
+            dry=self.dry.material,
+            condensed=self.condensed.condensed() if self.condensed else None,
         )
 
 
