@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import CLOSE, Floats, Integers
+from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.structure.blocks import Block, compact, vectors
 
 NEAR = 1e-7  # over a block's size: vertices no further from a plane lie in it
@@ -39,19 +39,15 @@ def cut(block: Block, point: Floats, normal: Floats) -> tuple[Block | None, Bloc
         split.append(divided)
     everywhere = np.append(height, np.zeros(len(crossings)))
     every = np.array(places)
-    cap = _around(np.flatnonzero(everywhere == 0.0), every, normal)
+    around = np.flatnonzero(everywhere == 0.0)
+    arms = every[around] - every[around].mean(axis=0)
+    first = arms[0] / np.linalg.norm(arms[0])
+    angle = np.arctan2(arms @ np.cross(normal, first), arms @ first)
+    cap: list[int] = around[np.argsort(angle)].tolist()  # anticlockwise about the normal
     return (
         _part(block, every, split, everywhere, -1.0, cap),
         _part(block, every, split, everywhere, 1.0, cap[::-1]),
     )
-
-
-def _around(numbers: Integers, places: Floats, normal: Floats) -> list[int]:
-    """Vertices in one plane, anticlockwise about ``normal``."""
-    arms = places[numbers] - places[numbers].mean(axis=0)
-    first = arms[0] / np.linalg.norm(arms[0])
-    angle = np.arctan2(arms @ np.cross(normal, first), arms @ first)
-    return [int(number) for number in numbers[np.argsort(angle)]]
 
 
 def _part(

@@ -89,17 +89,12 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
 
 def _nearest(blocks: Sequence[Block], number: int) -> str:
     """How far the faces are that are nearest to a block's, and the tolerance that takes them."""
-    size = mean_size(blocks)
-    near = [
-        abs(gap)
-        for gap, each in close(blocks, most_near(blocks) * size)
-        if number in (each.below, each.above)
-    ]
-    if not near:
+    every = close(blocks, most_near(blocks) * mean_size(blocks))
+    gaps = [abs(gap) for gap, each in every if number in (each.below, each.above)]
+    if not gaps:
         return "no face that looks at one of its own is near"
-    return (
-        f"the nearest is {min(near):.2g} m away; tolerance: {proposed(blocks, min(near))} takes it"
-    )
+    gap = min(gaps)
+    return f"the nearest is {gap:.2g} m away; tolerance: {proposed(blocks, gap)} takes it"
 
 
 def proposed(blocks: Sequence[Block], gap: float) -> float | None:
@@ -136,10 +131,9 @@ def _require_once(blocks: Sequence[Block], found: Sequence[Interface], near: flo
     for free, regions in on_fixed.items():
         for (one, region), (other, later) in combinations(regions, 2):
             if one != other and _shared(region, later, near):
-                raise ValueError(
-                    f"blocks: {blocks[one].name} and {blocks[other].name}, which are fixed, "
-                    f"overlap where {blocks[free].name} touches both"
-                )
+                names = f"{blocks[one].name} and {blocks[other].name}"
+                where = f"which are fixed, overlap where {blocks[free].name} touches both"
+                raise ValueError(f"blocks: {names}, {where}")
 
 
 def _shared(one: Interface, other: Interface, near: float) -> bool:

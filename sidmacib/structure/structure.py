@@ -215,23 +215,19 @@ def _faces(
         one, other = (parts[end].owner for end in ends)
         pair = frozenset((one, other))
         row = rows.get(pair)
+        kind, law = Kind.DRY, special.get(pair, material)
         if one == other:  # a lock and its own block, or two locks of it
             of_lock = next(filter(None, (parts[end].row for end in ends)))
-            yield _face(each, name, Kind.INNER, rows[of_lock].locks.inner)
+            kind, law = Kind.INNER, rows[of_lock].locks.inner
         elif row and row.locks.condensed:
             solids = [parts[end].piece for end in ends]
             yield _condensed(row, row.locks.condensed, solids, name)
+            continue
         elif row:
-            yield _face(each, name, Kind.DRY, row.locks.dry)
-        else:
-            law = special.get(pair, material)
-            bonded = law.cohesion > 0.0 or law.tensile_strength > 0.0
-            yield _face(each, name, Kind.INNER if bonded else Kind.DRY, law)
-
-
-def _face(each: Interface, name: str, kind: Kind, law: FaceMaterial) -> Polygon:
-    ends = each.below, each.above
-    return Polygon(name, kind, law, *ends, each.axes, each.middle, each.outline)
+            law = row.locks.dry
+        elif law.cohesion > 0.0 or law.tensile_strength > 0.0:
+            kind = Kind.INNER
+        yield Polygon(name, kind, law, *ends, each.axes, each.middle, each.outline)
 
 
 def _condensed(
