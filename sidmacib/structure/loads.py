@@ -54,23 +54,21 @@ class Permanent:
         return float(np.linalg.norm(self.wrenches[:, :3], axis=1).sum())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StructureLoads(Loads):
     """Loads on a structure; ``beside``: the part of the permanent ones that is not weight."""
 
-    beside: Permanent | None = None
+    beside: Permanent
 
     def at(self, load: float) -> Floats:
         """As `Loads.at`, but where gravity turns, what is ``beside`` weight stays."""
-        if self.axis is None or self.beside is None:
+        if self.axis is None:
             return super().at(load)
         fixed = self.beside.wrenches
-        return replace(self, permanent=self.permanent - fixed, beside=None).at(load) + fixed
+        return Loads.at(replace(self, permanent=self.permanent - fixed), load) + fixed
 
     def turned_moments(self, turns: Floats) -> Floats:
         """Moments (N m) of permanent loads on pieces that have turned by ``turns``, (P, 3, 3)."""
-        if self.beside is None:
-            return np.zeros((len(turns), 3))
         sums = turns @ self.beside.levers
         across = sums - np.swapaxes(sums, 1, 2)
         return np.stack([across[:, 1, 2], across[:, 2, 0], across[:, 0, 1]], axis=1)
@@ -160,9 +158,8 @@ def force_at(
 
 def permanent_only(assembly: Assembly, beside: Permanent | None = None) -> StructureLoads:
     """Permanent loads alone."""
-    weight, scale = weight_of_free(assembly), free_weight(assembly)
-    if beside is None:
-        return StructureLoads(weight, np.zeros_like(weight), scale)
+    weight = weight_of_free(assembly)
+    beside, scale = beside or Permanent.none(len(weight)), free_weight(assembly)
     whole = weight + beside.wrenches
     return StructureLoads(whole, np.zeros_like(weight), scale + beside.size, beside=beside)
 
@@ -203,9 +200,10 @@ def permanent_force(
     return Permanent.of(len(assembly.pieces), number, arm[None], force[None])
 
 
-def beside_of(loads: Loads) -> Permanent | None:
-    """The part of permanent ``loads`` that is not weight, if there is any."""
-    return loads.beside if isinstance(loads, StructureLoads) else None
+def beside_of(loads: Loads) -> Permanent:
+    """The part of permanent ``loads`` that is not weight."""
+    none = Permanent.none(len(loads.permanent))
+    return loads.beside if isinstance(loads, StructureLoads) else none
 
 
 @contextmanager
@@ -214,7 +212,7 @@ def naming_permanent(loads: Loads) -> Iterator[None]:
     try:
         yield
     except CapacityError as error:
-        if beside_of(loads) is None or ALL in str(error):
+        if not beside_of(loads).wrenches.any() or ALL in str(error):
             raise
         raise type(error)(str(error).replace(OWN, ALL)) from None
 

@@ -77,7 +77,7 @@ def limit_tilt(assembly: Assembly, loads: Loads) -> LimitTilt:
     require_standing(assembly, turned(loads, 0.0), friction=True)
     strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
     level = abs(loads.axis[2]) <= LEVEL
-    if level and beside_of(loads) is None and not strong and not crushed_faces(assembly):
+    if level and not beside_of(loads).wrenches.any() and not strong and not crushed_faces(assembly):
         return _by_sectors(assembly, loads)
     return _by_scan(assembly, loads)
 

@@ -158,7 +158,9 @@ def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None
     acceleration = max(state.load, 0.0) / free_weight(assembly)
     # Admissible forces are a cone: gravity and acceleration may be scaled together.
     cone = all(face.kind is Kind.DRY for face in assembly.faces) and not crushed_faces(assembly)
-    tilt = math.degrees(math.atan(acceleration)) if cone and loads.beside is None else None
+    tilt = (
+        math.degrees(math.atan(acceleration)) if cone and not loads.beside.wrenches.any() else None
+    )
     return Push(acceleration, (x, y, z), state.mechanism, tilt)
 
 

@@ -82,19 +82,18 @@ def tilting(assembly: Assembly, axis: Sequence[float], beside: Permanent | None 
 
 def turned(loads: Loads, angle: float) -> Loads:
     """The permanent part of ``loads`` by `tilting`, at an ``angle`` (degrees)."""
-    beside, none = beside_of(loads), np.zeros_like(loads.permanent)
-    others = none if beside is None else beside.wrenches
+    others = beside_of(loads).wrenches
     weight = (loads.permanent - others)[:, :3]
     permanent = others.copy()
     permanent[:, :3] += rotated(weight, np.array(loads.axis), math.radians(angle))
-    return replace(loads, permanent=permanent, variable=none, axis=None)
+    return replace(loads, permanent=permanent, variable=np.zeros_like(others), axis=None)
 
 
 def turning(loads: Loads, angle: float) -> Loads:
     """Gravity at ``angle`` (degrees); the variable load, per newton, is how it goes on to turn."""
     assert loads.axis is not None, "gravity turns"
-    on, beside = turned(loads, angle), beside_of(loads)
-    gravity = on.permanent if beside is None else on.permanent - beside.wrenches
+    on = turned(loads, angle)
+    gravity = on.permanent - beside_of(loads).wrenches
     change = np.zeros_like(gravity)
     change[:, :3] = np.cross(loads.axis, gravity[:, :3]) / on.scale
     return replace(on, variable=change)

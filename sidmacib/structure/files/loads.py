@@ -207,15 +207,14 @@ def permanent_on(
     given: Sequence[PermanentSection],
     near: float = NEAR,
     key: str = "permanent",
-) -> Permanent | None:
-    """All loads of a list ``given`` at ``key``; None if it is empty. ValueError that names one."""
-    whole = None
+) -> Permanent:
+    """All loads of a list ``given`` at ``key``; ValueError that names one."""
+    whole = Permanent.none(len(assembly.pieces))
     for number, each in enumerate(given, start=1):
         try:
-            found = each.on(assembly, near)
+            whole += each.on(assembly, near)
         except ValueError as error:
             raise ValueError(f"{key}.{number}.{error}") from None
-        whole = found if whole is None else whole + found
     return whole
 
 

@@ -112,7 +112,7 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
     for name, case in given.load_cases.items():
         key = f"load_cases.{name}"
         own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent")
-        loads = case.on(assembly, always + own if always and own else always or own, key)
+        loads = case.on(assembly, always + own, key)
         found.append(Demand(Problem(assembly, loads), case.amount(assembly), name))
     return tuple(found)
 
@@ -202,7 +202,7 @@ def _of_files(
     return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
 
 
-def permanent_of(assembly: Assembly, description: Mapping[str, Any]) -> Permanent | None:
+def permanent_of(assembly: Assembly, description: Mapping[str, Any]) -> Permanent:
     """The permanent loads of a ``description`` in plain values, but for weight; ValueError."""
     sections = [
         PermanentSection.read(each, "permanent") for each in description.get("permanent", ())
