@@ -90,11 +90,12 @@ def _smaller(assembly: Assembly, factor: float) -> Assembly:
     nodes, part = assembly.nodes, 1.0 / factor
     middle = np.array([face.middle for face in assembly.faces])[nodes.face]
     smaller = replace(nodes, position=middle + part * (nodes.position - middle))
-    faces = []
-    for face in assembly.faces:
-        assert isinstance(face, Polygon), "a structure has polygons"
-        faces.append(replace(face, outline=scale(face.outline, part, part, origin=(0.0, 0.0))))
-    return replace(assembly, faces=tuple(faces), nodes=smaller)
+    faces = tuple(
+        replace(face, outline=scale(face.outline, part, part, origin=(0.0, 0.0)))
+        for face in assembly.faces
+        if isinstance(face, Polygon)
+    )
+    return replace(assembly, faces=faces, nodes=smaller)
 
 
 def _weaker(assembly: Assembly, factor: float) -> Assembly:
@@ -123,10 +124,9 @@ def pushes(
 
     None in those where limit analysis finds none. ``tell`` is told each. Errors of `limit_load`.
     """
-    turns = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    ways = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(DIRECTIONS)])
     found = []
-    for way in ways:
+    for turn in (2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS).tolist():
+        way = np.array([math.cos(turn), math.sin(turn), 0.0])
         if push := _push(assembly, loads, way):
             found.append(push)
             tell(f"falls at {push.acceleration:.4g} g towards ({way[0]:.3g}, {way[1]:.3g})")
@@ -156,11 +156,10 @@ def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None
     except UnboundedError:
         return None
     acceleration = max(state.load, 0.0) / free_weight(assembly)
-    # Admissible forces are a cone: gravity and acceleration may be scaled together.
-    cone = all(face.kind is Kind.DRY for face in assembly.faces) and not crushed_faces(assembly)
-    tilt = (
-        math.degrees(math.atan(acceleration)) if cone and not loads.beside.wrenches.any() else None
-    )
+    # Without strengths and other loads forces are a cone: gravity and push may be scaled together.
+    dry = all(face.kind is Kind.DRY for face in assembly.faces) and not crushed_faces(assembly)
+    cone = dry and not loads.beside.wrenches.any()
+    tilt = math.degrees(math.atan(acceleration)) if cone else None
     return Push(acceleration, (x, y, z), state.mechanism, tilt)
 
 
