@@ -1,7 +1,6 @@
 """The design of locks of a structure, against closed forms, symmetry and all layouts."""
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from structures import dry
 
 from sidmacib.design import directions_of, layouts_of
 from sidmacib.design.direction import RowSearch, choice_of
-from sidmacib.design.model import DesignProblem, LoadCase
+from sidmacib.design.model import LoadCase
 from sidmacib.design.sizing import carried, largest_factor, least_cost, needed
 from sidmacib.errors import InfeasibleError
 from sidmacib.structure.loads import force_at, free_weight
@@ -51,51 +50,12 @@ def test_rows_have_room_and_are_as_strong_as_their_roots() -> None:
         assert layout.strength == pytest.approx(8e4 * 0.05 * along * layout.working)
 
 
-@pytest.fixture(scope="module")
-def pushed_both_ways() -> DesignProblem:
-    """Two blocks on a base, pushed along x, along y and between these, beside their middle."""
-    assembly = structure(stack(), dry(0.3))
-    pushes = (
-        ("x", "upper", (1.0, 0.0, 0.0), 550.0),
-        ("y", "lower", (0.0, 1.0, 0.0), 1100.0),
-        ("between", "upper", (1.0, 2.0, 0.0), 560.0),
-    )
-    cases = [
-        LoadCase(name, force_at(assembly, block, (0.25, 0.3, 0.3), along), load)
-        for name, block, along, load in pushes
-    ]
-    kind = replace(KIND, inner=replace(KIND.inner, cohesion=1e4))
-    return design_on(assembly, cases, angles=(0.0, 45.0, 90.0, 135.0), most=3, kind=kind)
-
-
 def test_without_friction_two_directions_are_needed_and_one_is_not_enough() -> None:
     assembly = structure(row(2), dry(0.0))
     loads = force_at(assembly, "cube0", (0.2, 0.2, 0.2), (0.0, 1.0, 0.0))
     given = design_on(assembly, [LoadCase("side", loads, 300.0)], angles=(0.0,))
     with pytest.raises(InfeasibleError, match="no locks carry 1 times"):
         least_cost(given, 1.0)
-
-
-def test_a_search_ends_with_the_cheapest_of_all_layouts(pushed_both_ways: DesignProblem) -> None:
-    given, best, tried = pushed_both_ways, np.inf, 0
-    search = RowSearch(given, 1.0)
-    options = [np.flatnonzero(given.site_of == site) for site in range(len(given.sites))]
-    for chosen in product(*[[None, *each] for each in options]):
-        numbers = [k for k in chosen if k is not None]
-        cost = float(given.costs[numbers].sum())
-        if cost < best:
-            tried += 1
-            taken = np.zeros(len(given.layouts))
-            taken[numbers] = 1.0
-            best = cost if search.carries(taken) else best
-    found = search.cheapest(gap=1e-4)
-    assert tried > 30
-    assert found.cost == best < np.inf
-    assert found.cost - found.bound <= 1e-4 * found.cost
-    mixed = search.cheapest(whole=False, gap=1e-4)
-    assert search.relaxed.cost <= mixed.cost * (1 + 1e-6)
-    assert mixed.bound <= found.cost * (1 + 1e-6)
-    assert search.carries(mixed.parts * (1.0 + 1e-4))
 
 
 def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
