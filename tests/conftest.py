@@ -67,6 +67,18 @@ def joint() -> Joint:
     return Joint(locks=3)
 
 
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Of the file of a structure."""
+    return tmp_path / "structure.yaml"
+
+
+@pytest.fixture(params=DISTINCT)
+def engine(request: pytest.FixtureRequest) -> str:
+    """Each engine of distinct elements."""
+    return str(request.param)
+
+
 def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     """One free block, a x b x h, on a fixed one, across a single face."""
     x = joint.a / 2
@@ -136,19 +148,6 @@ def run_guided(
 ) -> None:
     """Run an engine as a study does, from the loads of the static model."""
     engine_outcome(ENGINES[name], problem, numerics, "what is tested", folder, time_limit)
-
-
-@pytest.fixture
-def run_block(tmp_path: Path) -> Callable[..., Path]:
-    """Search the peak of a block on the ground; returns the folder of the results."""
-
-    def run(name: str, assembly: Assembly, loads: Loads) -> Path:
-        folder = tmp_path / "block"
-        problem, numerics = Problem(assembly, loads), Numerics(tolerance=5e-4)
-        run_guided(name, problem, numerics, folder, 120)
-        return folder
-
-    return run
 
 
 @dataclass(frozen=True)

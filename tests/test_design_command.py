@@ -44,11 +44,6 @@ def run(path: Path, *more: str) -> tuple[int, dict[str, Any]]:
     return result.exit_code, json.loads(result.stdout)
 
 
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "given.yaml"
-
-
 def test_strength_is_raised_until_the_static_model_carries_the_cases() -> None:
     notes: list[str] = []
     found = design_of(task_of(two_blocks()), notes.append)

@@ -33,11 +33,6 @@ from studies.structures.shapes import arch
 MORTAR = FaceMaterial(1e10, 1e10, 0.4, cohesion=2e4, tensile_strength=1e4)
 
 
-@pytest.fixture(params=DISTINCT)
-def engine(request: pytest.FixtureRequest) -> str:
-    return str(request.param)
-
-
 def leaning(law: FaceMaterial, angle: float) -> Assembly:
     """Two blocks on a fixed one, turned by an angle in degrees about an axis that is oblique."""
     axis = np.array([0.3, 1.0, 0.2])
@@ -87,14 +82,6 @@ def test_a_stack_tilts_as_far_as_the_static_model_says(engine: str, tmp_path: Pa
 
 
 @pytest.mark.engine
-def test_what_never_falls_has_no_critical_tilt(engine: str, tmp_path: Path) -> None:
-    glued = FaceMaterial(1e10, 1e10, 0.4, cohesion=1e9, tensile_strength=1e9)
-    model = leaning(glued, 0.0)
-    with pytest.raises(EngineNoAnswerError, match="in equilibrium up to a tilt of 180 degrees"):
-        found(engine, Problem(model, tilting(model, (0.0, 1.0, 0.0))), tmp_path)
-
-
-@pytest.mark.engine
 def test_compression_does_not_strengthen_a_rough_bond(engine: str, tmp_path: Path) -> None:
     rough = replace(MORTAR, friction=1.0, tensile_strength=1e6)
     slab = box("block", (0.0, 0.0, 0.0), (0.4, 0.4, 0.1), 1e4)
@@ -135,14 +122,6 @@ def tilted_until_it_falls(engine: str, model: Assembly, axis: Vector, folder: Pa
     """The tilt (degrees) at which an engine sees ``model`` fall."""
     problem = Problem(model, tilting(model, axis))
     return tilt_of_load(found(engine, problem, folder).path[-1].load, problem.loads.scale)
-
-
-@pytest.mark.engine
-def test_a_pushed_block_rocks_at_the_slope_of_its_diagonal(engine: str, tmp_path: Path) -> None:
-    model = on_the_ground(0.3, 0.6, dry(2.0))
-    outcome = found(engine, Problem(model, acceleration(model, (1.0, 0.0, 0.0))), tmp_path)
-    # F = W tan(alpha - theta), at its start.
-    assert outcome.path[-1].load == pytest.approx(model.pieces[1].weight * 0.3 / 0.6, rel=0.01)
 
 
 @pytest.mark.engine

@@ -35,11 +35,6 @@ def locked(**more: Any) -> dict[str, Any]:
     return {**ON_GROUND, "locks": [locks]}
 
 
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "structure.yaml"
-
-
 def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     rows = by_model(path, ON_GROUND)
     assert rows["limit"]["load / weight"] == pytest.approx(0.2, rel=1e-6)

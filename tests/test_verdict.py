@@ -27,11 +27,6 @@ from workflow.schema import with_changes
 RETAINING = str(ROOT / "studies/structures/retaining.yaml")
 
 
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "structure.yaml"
-
-
 def said(path: Path, given: dict[str, Any], *more: str) -> tuple[int, str]:
     """The exit status and the first line of output."""
     found = assembly(path, given, *more)
