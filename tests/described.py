@@ -38,6 +38,7 @@ FILES = {
     "bonded block": BLOCK,
     "bonded arch": study("arch/arch", cohesion=5.0e4, tensile_strength=2.0e4),
     "mortar wall": study("wall/wall", cohesion=2.0e4, tensile_strength=1.0e4),
+    "crushed arch": study("arch/arch", compressive_strength=1.5e5, friction=0.7),
     "trilith": study("structures/trilith"),
     "dry wall": study("wall/wall"),
 }

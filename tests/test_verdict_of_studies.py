@@ -16,8 +16,6 @@ from analysis.report import finding
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
 from analysis.tables.structures import structures_table, verdicts_table
-from sidmacib.structure.analysis.limit import limit_state
-from sidmacib.structure.files.structure_file import structure_of
 from workflow.cases import structure_cases
 from workflow.configuration import read_study
 from workflow.results.tables import VERDICTS, read_table
@@ -89,21 +87,6 @@ def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> No
         if "case" in row:
             told_of = (row["case"], row["carried"] == "yes", row["governs"] == "yes")
             assert told_of == (own["load"], own["carried"], own["governs"])
-
-
-@pytest.mark.parametrize("law", [{}, {"cohesion": "20kPa", "tensile_strength": "10kPa"}])
-def test_where_crushing_governs_the_limit_load_counts(law: dict[str, str], tmp_path: Path) -> None:
-    arch = study("arch/arch")
-    arch["interfaces"] = {"friction": 0.7, "compressive_strength": "150kPa", **law}
-    limit = limit_state(*structure_of(arch)).load
-    *_, row = json.loads(assembly(tmp_path / "arch.yaml", arch, "--format", "json").stdout)
-    table = structures_table(solved(tmp_path / "study", **study_of(arch)))
-    loads = [row["load (N)"], *table["load_N"], *table["peak_N"].dropna()]
-    assert loads == pytest.approx([limit] * 4, rel=1e-9)
-    assert table.set_index("model").loc["static", "mode"] == "crushing"
-    words = "the peak counts: limited by crushing in limit analysis; voussoir"
-    assert words in row["note"] and words in summary("results", table)
-    assert structures_verdict(table)[0]["text"].startswith(f"load: {limit:.4g} N")
 
 
 @pytest.mark.study
