@@ -175,20 +175,26 @@ def test_the_moment_of_a_support_that_turns_is_its_force_times_the_lever() -> No
     assert moment == pytest.approx(2.0 * force, rel=1e-3)
 
 
-def test_a_structure_that_does_not_stand_has_no_reaction() -> None:
-    model = structure(arch(COUNT, 0.05), dry(0.8))
-    with pytest.raises(InfeasibleError, match="does not stand"):
-        least_reaction(model, support_moves(model, "right", SPREADS))
+def beam(
+    left: tuple[float, float],
+    right: tuple[float, float],
+    end: float,
+    moves: list[float],
+    **given: Any,
+) -> dict[str, Any]:
+    """A beam from the outer edge of the left support to ``end`` (m); the right support moves."""
+    blocks: dict[str, Any] = {
+        name: {"low": [low, 0, -1], "high": [high, 0.3, 0], "fixed": True}
+        for name, (low, high) in (("left", left), ("right", right))
+    }
+    blocks["beam"] = {"low": [left[0], 0, 0], "high": [end, 0.3, 0.3]}
+    return {
+        "blocks": blocks,
+        "load": {"support": {"block": "right", "displacement": moves}},
+    } | given
 
 
-BEAM: dict[str, Any] = {
-    "blocks": {
-        "left": {"low": [-0.1, 0, -1], "high": [0.1, 0.3, 0], "fixed": True},
-        "right": {"low": [1.9, 0, -1], "high": [2.1, 0.3, 0], "fixed": True},
-        "beam": {"low": [-0.1, 0, 0], "high": [2.1, 0.3, 0.3]},
-    },
-    "load": {"support": {"block": "right", "displacement": [0, 0, -1]}},
-}
+BEAM = beam((-0.1, 0.1), (1.9, 2.1), 2.1, [0, 0, -1])
 
 
 def test_the_command_prints_reactions_of_a_support_that_moves(tmp_path: Path) -> None:
@@ -226,34 +232,29 @@ def test_a_faulty_support_is_named(support: dict[str, Any], fault: str) -> None:
     assert str(error.value) == fault
 
 
-def beam(span: float, overlap: float, **of_right: float) -> dict[str, Any]:
+def drawn_away(span: float, overlap: float, **of_right: float) -> dict[str, Any]:
     """A beam that a support is drawn from, on which it lies by the ``overlap`` (m)."""
-    blocks = {
-        "left": {"low": [-0.3, 0, -0.5], "high": [0.2, 0.3, 0], "fixed": True},
-        "right": {"low": [span - overlap, 0, -0.5], "high": [span + 0.3, 0.3, 0], "fixed": True},
-        "beam": {"low": [-0.3, 0, 0], "high": [span, 0.3, 0.3]},
-    }
-    given = {"blocks": blocks, "interfaces": {"friction": 0.4}}
     special = {"special": [{"between": ["right", "beam"], **of_right}]} if of_right else {}
-    return {**given, **special, "load": {"support": {"block": "right", "displacement": [1, 0, 0]}}}
+    ends = (-0.3, 0.2), (span - overlap, span + 0.3)
+    return beam(*ends, span, [1, 0, 0], interfaces={"friction": 0.4}, **special)
 
 
 @pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.02), (6.0, 0.05)])
 def test_a_beam_falls_when_its_support_moved_by_the_overlap(span: float, overlap: float) -> None:
-    path = support_path(*structure_of(beam(span, overlap, friction=0.1)))
+    path = support_path(*structure_of(drawn_away(span, overlap, friction=0.1)))
     assert path.falls
     assert path.movement[-1] == pytest.approx(overlap, rel=0.02)
 
 
 @pytest.mark.engine
 def test_a_beam_falls_in_yade_when_its_support_has_moved_by_the_overlap() -> None:
-    found = yade_answer(structure_of(beam(6.0, 0.05, friction=0.1)))
+    found = yade_answer(structure_of(drawn_away(6.0, 0.05, friction=0.1)))
     assert found.movement == pytest.approx(0.05, rel=0.04)
 
 
 def test_where_several_joints_slide_the_least_movement_is_told() -> None:
     """Rigid blocks do not say which: each may lose its overlap of 0.5 and 0.2 m first."""
-    problem = structure_of(beam(2.0, 0.2))
+    problem = structure_of(drawn_away(2.0, 0.2))
     found, _ = support_answers(*problem)
     told = {each.answer: each for each in found}
     assert told["kinematics, least"].movement == pytest.approx(0.2, rel=0.02)
@@ -276,15 +277,9 @@ PAD, LENGTH, BREADTH = 0.2, 4.0, 0.3  # m: along the beam, between its supports,
 
 def on_pads(across: float, **given: Any) -> dict[str, Any]:
     """A beam on two pads, of which one moves ``across`` it, or along it."""
-    ends = [(-PAD / 2, PAD / 2), (LENGTH - PAD / 2, LENGTH + PAD / 2)]
-    blocks: dict[str, Any] = {
-        name: {"low": [low, 0, -1], "high": [high, BREADTH, 0], "fixed": True}
-        for name, (low, high) in zip(("left", "right"), ends, strict=True)
-    }
-    blocks["beam"] = {"low": [-PAD / 2, 0, 0], "high": [LENGTH + PAD / 2, BREADTH, 0.3]}
-    moves = {"block": "right", "displacement": [1 - across, across, 0]}
-    support = {"load": {"support": moves}}
-    return {"blocks": blocks, "interfaces": {"friction": 0.5}} | support | given
+    ends = (-PAD / 2, PAD / 2), (LENGTH - PAD / 2, LENGTH + PAD / 2)
+    moves = [1 - across, across, 0]
+    return beam(*ends, LENGTH + PAD / 2, moves, interfaces={"friction": 0.5}, **given)
 
 
 def test_a_support_that_moves_across_a_beam_twists_both_its_pads() -> None:
