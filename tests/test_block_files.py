@@ -41,19 +41,16 @@ def write(path: Path, blocks: list[Block]) -> Path:
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl"])
-def test_a_turned_block_has_its_faces_and_its_volume(suffix: str, tmp_path: Path) -> None:
-    turned = moved(LOW, Rotation.from_euler("xyz", (20, 30, 40), degrees=True), (1.0, 2.0, 3.0))
-    (found,) = blocks_from_mesh(write(tmp_path / f"b{suffix}", [turned]), 2e3).values()
-    assert len(found.faces) == 6
-    assert found.volume == pytest.approx(1.0, rel=1e-6)
-    assert found.centre == pytest.approx(turned.centre, rel=1e-6)
-
-
-@pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl"])
-def test_bodies_that_touch_stay_apart(suffix: str, tmp_path: Path) -> None:
-    found = blocks_from_mesh(write(tmp_path / f"b{suffix}", [LOW, HIGH]), 2e3)
-    assert [*found] == (["high", "low"] if suffix == ".obj" else ["1", "2"])
-    assert [block.volume for block in found.values()] == pytest.approx([1.0, 1.0])
+def test_turned_blocks_that_touch_stay_apart_with_their_faces(suffix: str, tmp_path: Path) -> None:
+    turn = Rotation.from_euler("xyz", (20, 30, 40), degrees=True)
+    pair = {each.name: moved(each, turn, (1.0, 2.0, 3.0)) for each in (LOW, HIGH)}
+    found = blocks_from_mesh(write(tmp_path / f"b{suffix}", [*pair.values()]), 2e3)
+    names = {"high": "high", "low": "low"} if suffix == ".obj" else {"1": "low", "2": "high"}
+    assert [*found] == [*names]
+    for name, block in found.items():
+        assert len(block.faces) == 6
+        assert block.volume == pytest.approx(1.0, rel=1e-6)
+        assert block.centre == pytest.approx(pair[names[name]].centre, rel=1e-6)
 
 
 @pytest.mark.parametrize("vertex", [8, 57, -1])
