@@ -226,6 +226,8 @@ def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
         (("capacity", "--gamma-m", "0.8"), "'0.8' is not allowed; it must be from 1 to 10"),
         (("capacity", "--note", "n.html", "-e", "0", "-e", "1"), "--note: needs one direction"),
         (("capacity", "--note", "/nowhere/n.html"), "--note /nowhere/n.html: No such folder"),
+        *((("law", "--file", path), f"--file {path}: not a file") for path in ("/dev/zero", "/")),
+        (("law", "--file", "/none"), "--file /none: No such file or directory"),
     ],
 )
 def test_errors_name_flag_value_and_what_is_allowed(arguments: tuple[str, ...], words: str) -> None:
@@ -249,12 +251,6 @@ def test_a_picture_of_weights_has_a_bar_for_each_lock() -> None:
     (axes,) = bars(rows, "three").axes
     found = {bar.get_x() + bar.get_width() / 2: bar.get_height() for bar in axes.patches}
     assert found == pytest.approx({r["lock"]: r["weight"] for r in rows})
-
-
-def test_friction_in_degrees_is_doubted() -> None:
-    found = run("capacity", "--friction", "30", "-m", "static", "-n", "3")
-    words = "Note: friction: 30 is very large; is it an angle in degrees? tan(30°) = 0.577"
-    assert words in found.stderr
 
 
 def test_a_terminal_sees_what_is_computed_and_nothing_of_it_at_the_end(
@@ -341,16 +337,6 @@ def test_faults_in_a_file_are_told_with_its_name(tmp_path: Path, content: str, w
     assert words in output
     assert "Traceback" not in output and len(output) < 900
     assert f"--file {path}: " in output
-
-
-@pytest.mark.parametrize(
-    ("path", "words"),
-    [("/dev/zero", "not a file"), ("/", "not a file"), ("/none", "No such file or directory")],
-)
-def test_what_is_no_file_is_not_read(path: str, words: str) -> None:
-    found = run("law", "--file", path)
-    assert found.exit_code == 2
-    assert f"--file {path}: {words}" in found.output
 
 
 def test_a_flag_before_a_faulty_file_is_blamed_for_its_own_value_only(tmp_path: Path) -> None:

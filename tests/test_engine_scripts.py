@@ -165,13 +165,12 @@ def test_what_has_moved_far_falls_if_it_gains_speed(
     assert seen == [False] * 4 + [falls]
 
 
-def test_motions_count_from_the_last_equilibrium(stack: GivenAssembly) -> None:
-    assert not Fall(stack, 1e-2, shifted(0.0, 0.5, 0.5)).sees(shifted(0.0, 0.5, 0.509), 10)
-
-
-def test_a_spin_about_the_centroid_is_a_motion(stack: GivenAssembly) -> None:
+def test_a_spin_is_a_motion_too_and_motions_count_from_the_last_equilibrium(
+    stack: GivenAssembly,
+) -> None:
     spun = [STILL, STILL, PieceMotion((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))]
     assert Fall(stack, 1e-2, [STILL] * 3).sees(spun, 10)
+    assert not Fall(stack, 1e-2, shifted(0.0, 0.5, 0.5)).sees(shifted(0.0, 0.5, 0.509), 10)
 
 
 def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: GivenAssembly) -> None:

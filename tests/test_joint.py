@@ -14,10 +14,6 @@ from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
 from sidmacib.mechanics.assembly import Assembly, Cuboid, FaceMaterial, Kind, NodeLayout, Rectangle
 
 
-def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:
-    assert pytest.approx(240.0) == joint.T0
-
-
 def test_locks_belong_to_the_blocks_in_turn_from_the_first_on() -> None:
     joint, other = Joint(locks=5), Joint(locks=5, first=Side.LOWER)
     assert joint.upper_locks == other.lower_locks == (1, 3, 5)

@@ -89,11 +89,6 @@ def test_rotations_before_the_first_failure_are_not_limited() -> None:
 
 
 # --- theory --------------------------------------------------------------------------------------
-def test_one_inner_face_alone_fails_at_T0_in_pure_shear(joint: Joint) -> None:
-    model = block_on_ground(joint, Kind.INNER, 0.02)
-    found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
-    assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
-    assert found.mode is Mode.BONDS
 
 
 def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(joint: Joint) -> None:
@@ -102,13 +97,6 @@ def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(joint: 
     elastic = joint.inner.cohesion * float(model.nodes.area @ arm**2) / arm.max()
     found = static_peak(model, load_on_block(model, (0.0, 0.0, 0.0), joint.a))
     assert found.peak.load * joint.a == pytest.approx(elastic, rel=1e-5)
-
-
-def test_a_dry_block_slides_at_friction_times_its_weight(joint: Joint) -> None:
-    model = block_on_ground(replace(joint, density=1e6), Kind.DRY, 0.02)
-    found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
-    assert found.peak.load == pytest.approx(0.3 * model.pieces[1].weight, rel=1e-4)
-    assert found.mode is Mode.MECHANISM
 
 
 def test_a_block_that_floats_away_or_touches_nothing_does_not_stand(joint: Joint) -> None:
@@ -178,13 +166,6 @@ def test_every_equilibrium_balances_loads_within_strengths(locks: int, e_over_a:
         target = (loads.permanent + point.load * loads.variable).ravel()
         residual = (equilibrium_matrix(model) @ point.force.ravel() - target)[rows]
         assert np.abs(residual).max() <= 1e-9 * np.abs(target).max()
-
-
-def test_the_path_ends_beyond_the_first_failure_or_at_it(joint: Joint) -> None:
-    found = solved(joint, 2.0, mesh=0.005)
-    assert found.first_failure_load < found.peak.load  # corners fail first, the joint goes on
-    found = solved(joint, 0.0)
-    assert found.first_failure_load == pytest.approx(found.peak.load)
 
 
 @pytest.mark.parametrize("failure", Failure)

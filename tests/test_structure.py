@@ -113,16 +113,6 @@ def test_size_and_density_do_not_change_the_tilt_of_a_dry_arch(size: float, dens
     assert factor(model) == pytest.approx(factor(structure(arch(9, 0.25), dry(0.7))), rel=1e-5)
 
 
-def test_a_strong_bonded_cut_changes_nothing() -> None:
-    halves = [
-        box("low", (0.0, 0.0, 0.0), (0.4, 0.6, 0.5), 2e3),
-        box("high", (0.0, 0.0, 0.5), (0.4, 0.6, 1.0), 2e3),
-    ]
-    strong = FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9)
-    cut = structure([GROUND, *halves], dry(0.84), {frozenset({"low", "high"}): strong})
-    assert factor(cut) == pytest.approx(factor(on_ground(0.84)), rel=1e-6)
-
-
 @pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
 def test_the_joint_is_a_structure_of_its_pieces(body: UpperBody) -> None:
     joint = Joint(3, upper_body=body, hold_down=HoldDown.force(500.0))

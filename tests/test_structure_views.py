@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -66,26 +65,6 @@ def test_reactions_balance_the_weight_and_the_load(arch: Drawn) -> None:
     loads = arch.problem.loads.at(arch.load or 0.0)[:, :3].sum(axis=0)
     assert [each.support for each in arch.reactions] == ["left", "right"]
     assert np.array(total(arch.reactions)) == pytest.approx(-loads, abs=1e-6 * np.abs(loads).max())
-
-
-def test_a_reaction_acts_where_the_resultant_of_its_interface_does(arch: Drawn) -> None:
-    rows = {row.interface: row for row in arch.interfaces}
-    for each, name in zip(arch.reactions, ("left-voussoir5", "right-voussoir1"), strict=True):
-        row = rows[name]
-        assert each.at == pytest.approx((row.at_x_m, row.at_y_m, row.at_z_m), abs=1e-6)
-
-
-def test_the_thrust_line_of_an_arch_runs_from_support_to_support(arch: Drawn) -> None:
-    names = [piece.name for piece in arch.assembly.pieces]
-    (line,) = arch.thrust
-    passed = [{names[number] for number in each["between"]} for each in line]
-    assert {"left", "right"} <= passed[0] | passed[-1]
-    assert len(line) == len(arch.assembly.faces)
-    assert all(len(one & other) == 1 for one, other in pairwise(passed))
-    rows = {frozenset(row.interface.split("-")): row for row in arch.interfaces}
-    for each, pair in zip(line, passed, strict=True):
-        row = rows[frozenset(pair)]
-        assert each["point"] == pytest.approx((row.at_x_m, row.at_y_m, row.at_z_m), abs=1e-6)
 
 
 def test_a_stack_has_a_thrust_line_and_what_branches_has_none() -> None:
