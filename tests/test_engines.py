@@ -1,6 +1,8 @@
-"""What distinct elements must find, against theory and the static model. Real runs, small ones."""
+"""What distinct elements must find, in both engines and in each. Real runs, small ones."""
 
 import json
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,17 +10,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from campaigns.faults import processes_in
 from command_runner import answers
-from conftest import a_case, block_on_ground, load_on_block, run_case, run_guided
-from joints import loaded
+from conftest import ROOT, a_case, block_on_ground, load_on_block, run_case, run_guided
+from joints import PUBLISHED, loaded
 from stack import overturning, tilted_stack
+from test_execute import becomes_true
 
-from sidmacib import Loading, static_peak
+from sidmacib import Direction, Joint, Loading, limit_load, static_peak
 from sidmacib.engines import ENGINES, Numerics
-from sidmacib.engines.run import OUTPUTS, EngineError
+from sidmacib.engines.render import write_script
+from sidmacib.engines.run import OUTPUTS, EngineError, execute
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
-from sidmacib.mechanics.assembly import Kind, NodeLayout
+from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout
+from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
 from workflow.solve import solved
@@ -215,3 +221,143 @@ def test_the_command_finds_what_an_engine_finds(engine: str) -> None:
     static, row = answers("capacity", "-n", "3", "-m", "static", "-m", engine)
     assert row["V (N)"] == pytest.approx(static["V (N)"], rel=0.005)
     assert row["note"].startswith("failure mode: bonds; ")
+
+
+# --- YADE ----------------------------------------------------------------------------------------
+SHEAR = Loading(Direction(0.0))
+
+
+# --- the joint -----------------------------------------------------------------------------------
+@pytest.mark.parametrize(("locks", "published", "weights", "within"), PUBLISHED)
+def test_published_samples_reach_their_peak_and_weights(
+    run, locks: int, published: float, weights: list[float], within: float
+) -> None:
+    result = run(a_case("yade", Joint(locks), SHEAR, mesh=0.02))
+    assert result.shear == pytest.approx(published, rel=within)
+    assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.06)
+
+
+def test_halving_the_loading_rate_hardly_moves_the_peak(run) -> None:
+    fast, slow = (
+        run(a_case("yade", Joint(3), SHEAR, mesh=0.02, ramp_periods=periods)).peak_load
+        for periods in (40.0, 80.0)
+    )
+    assert slow == pytest.approx(fast, rel=0.005)
+
+
+def test_a_joint_whose_column_snaps_to_another_equilibrium_has_not_collapsed(run) -> None:
+    """Its first column breaks off, turns by five hundredths and rests against the next lock."""
+    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
+    nodes = NodeLayout.VERTICES  # and more damping, or it swings so far that it breaks more bonds
+    case = a_case("yade", joint, Loading(Direction(0.5)), 0.02, nodes, damping=0.7)
+    found, expected = run(case), static_peak(*case.subject.problem())
+    assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
+    # The static model, of small rotations, does not count on a column that has turned so far.
+    assert found.peak_load > 1.5 * expected.peak.load
+
+
+def test_a_ductile_bond_yields_in_tension_and_does_not_break(tmp_path: Path) -> None:
+    """Pulled upwards beside its middle, it reaches the plastic limit, or more as it turns."""
+    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
+    block = replace(block_on_ground(joint, Kind.INNER, 0.01), failure=Failure.DUCTILE)
+    variable = np.zeros((2, 6))
+    variable[1, 2], variable[1, 3] = 1.0, 0.02  # N upwards, and N m for each of them
+    loads = Loads(self_weight(block.pieces), variable, joint.T0)
+    run_guided("yade", Problem(block, loads), Numerics(tolerance=5e-4), tmp_path, 120)
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert 1.0 <= result["peak_load_N"] / limit_load(block, loads).load <= 1.1
+    brittle = static_peak(replace(block, failure=Failure.BRITTLE), loads)
+    assert result["peak_load_N"] > 1.3 * brittle.peak.load
+
+
+def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(run) -> None:
+    """Both have friction, by which they carry more than limit analysis, which has none."""
+    joint, loading = Joint(5, failure=Failure.DUCTILE), Loading(Direction(0.5))
+    found = run(a_case("yade", joint, loading, 0.02, NodeLayout.VERTICES))
+    problem = found.case.subject.problem()
+    assert found.peak_load == pytest.approx(static_peak(*problem).peak.load, rel=0.02)
+    assert found.peak_load > 1.05 * limit_load(*problem).load
+    assert not found.history.filter(like="_broken_share").to_numpy().any()
+
+
+# --- the engine ----------------------------------------------------------------------------------
+def test_the_script_runs_by_hand_with_yades_own_launcher(tmp_path: Path) -> None:
+    folder = run_case(a_case("yade", Joint(2), SHEAR), tmp_path / "case")
+    expected = [(folder / name).read_bytes() for name in OUTPUTS]
+    for name in OUTPUTS:
+        (folder / name).unlink()
+    script = ENGINES["yade"].script
+    subprocess.run(
+        ["yade", "-n", "-x", script], cwd=folder, check=True, capture_output=True, timeout=120
+    )
+    assert [(folder / name).read_bytes() for name in OUTPUTS] == expected
+
+
+# --- LIGGGHTS ------------------------------------------------------------------------------------
+
+LIGGGHTS = ENGINES["liggghts"]
+
+
+def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
+    joint, loading = Joint(3), Loading(Direction(2.0))
+    found = run(a_case("liggghts", joint, loading, mesh=0.01))
+    expected = static_peak(*found.case.subject.problem())
+    assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
+    assert found.peak_load == pytest.approx(expected.peak.load, rel=0.01)
+
+
+def test_two_ranks_find_what_one_finds(run) -> None:
+    one, two = (
+        run(a_case("liggghts", Joint(3), Loading(Direction(0.5)), mesh=0.02, ranks=n)).peak_load
+        for n in (1, 2)
+    )
+    assert two == pytest.approx(one, rel=0.002)
+
+
+def written(tmp_path: Path, locks: int = 2, mesh: float = 0.03, **numerics: int) -> Path:
+    write_script(LIGGGHTS, *loaded(Joint(locks), 0.0, mesh), Numerics(**numerics), "case", tmp_path)
+    return tmp_path
+
+
+def test_a_broken_input_script_fails_with_liggghts_own_words(tmp_path: Path) -> None:
+    right, wrong = "neighbor {SKIN", "neighbour {SKIN"
+    deck = written(tmp_path) / "engines" / "liggghts" / "deck.py"
+    text = deck.read_text()
+    assert right in text
+    deck.write_text(text.replace(right, wrong))
+    words = r"(?s)ended with exit code 1.*(ERROR|LIGGGHTS ended before its commands were done)"
+    with pytest.raises(EngineError, match=words):
+        execute(LIGGGHTS, tmp_path, 60)
+    assert not (tmp_path / "result.json").exists()
+
+
+def shared_memory() -> set[Path]:
+    """MPI's segments that are left in the system's shared memory."""
+    return set(Path("/dev/shm").glob("vader*"))
+
+
+def test_no_process_of_liggghts_is_left_after_the_time_limit(tmp_path: Path) -> None:
+    written(tmp_path, locks=5, mesh=0.004, ranks=2)
+    with pytest.raises(EngineError, match="out of time after 4 s"):
+        execute(LIGGGHTS, tmp_path, 4)
+    assert becomes_true(lambda: not processes_in(tmp_path))
+
+
+def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(tmp_path: Path) -> None:
+    written(tmp_path, locks=5, mesh=0.004, ranks=2)
+    before = shared_memory()
+    call = (
+        "from pathlib import Path; from sidmacib.engines import ENGINES;"
+        "from sidmacib.engines.run import execute;"
+        f"execute(ENGINES['liggghts'], Path({str(tmp_path)!r}), 300)"
+    )
+    runner = subprocess.Popen([sys.executable, "-c", call], cwd=ROOT)
+
+    def ranks() -> int:
+        return sum(each.startswith("liggghts") for each in processes_in(tmp_path))
+
+    assert becomes_true(lambda: ranks() == 2)
+    runner.kill()
+    runner.wait()
+    assert becomes_true(lambda: not processes_in(tmp_path))
+    assert shared_memory() <= before
