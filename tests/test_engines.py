@@ -17,7 +17,7 @@ from joints import PUBLISHED, loaded
 from stack import overturning, tilted_stack
 from test_execute import becomes_true
 
-from sidmacib import Direction, Joint, Loading, limit_load, static_peak
+from sidmacib import Loading, limit_load, static_peak
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.run import OUTPUTS, EngineError, execute

@@ -12,18 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib import (
-    CapacityError,
-    Direction,
-    FaceMaterial,
-    HoldDown,
-    Joint,
-    NodeLayout,
-    Side,
-    UpperBody,
-    static_first_failure,
-    static_peak,
-)
+from sidmacib import Side, UpperBody
 from sidmacib.engines import Numerics
 from sidmacib.engines.results import read_outcome
 from sidmacib.errors import CapacityError, NoEquilibriumError
@@ -36,7 +25,7 @@ from sidmacib.mechanics.equilibrium import compliance, equilibrium_matrix, free_
 from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
+from sidmacib.mechanics.solution import Equilibrium, FirstFailure
 from sidmacib.mechanics.static import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule import law, safe

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
 
-from sidmacib import OPTIONS, NodeLayout, Sidmacib, capacity, limit_load
+from sidmacib import OPTIONS, Sidmacib, capacity, limit_load
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load, posed
 from sidmacib.joint.pieces import assemble, lock_faces, lock_weights, shared_face, upper_block
