@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from command_runner import answers, assembly, by_model
+from described import PUSH
 from structures import read_structure
 
 from sidmacib import limit_load, static_peak
@@ -229,3 +230,33 @@ def test_interfaces_are_told_at_the_load_that_counts(path: Path) -> None:
     assert static["first failure (N)"] == static["load (N)"] < static["peak (N)"]
     assert shown["shear (N)"] == pytest.approx(static["load (N)"], rel=1e-6)
     assert shown["utilisation"] == pytest.approx(1.0, abs=1e-4)
+
+
+# --- what finite rotation changes of a load of the static model ----------------------------------
+WIDTH, HEIGHT = 0.4, 2.0
+TILT = {"tilt": {"axis": [0, 1, 0]}}
+
+
+def static_note(path: Path, stiffness: float, load: dict[str, Any]) -> str:
+    law = {f"{way}_stiffness": stiffness for way in ("normal", "shear")} | {"friction": 0.7}
+    tower = {"blocks": {"block": {"high": [WIDTH, 0.6, HEIGHT]}}, "interfaces": law}
+    given = with_changes(ON_GROUND, tower) | {"load": load}
+    return str(by_model(path, given)["static"]["note"])
+
+
+@pytest.mark.parametrize("load", [PUSH, TILT])
+def test_soft_joints_let_a_tower_lean_and_carry_less(path: Path, load: dict[str, Any]) -> None:
+    assert static_note(path, 1e10, load).endswith("; small displacements")
+    stiffness = 2e7
+    note = static_note(path, stiffness, load)
+    words, share = note.rsplit("; ", 1)[1].rsplit(" about ", 1)
+    assert words == "small displacements: finite rotation would lower it by"
+    # At the peak it rests on one edge, which gives by its weight until the middle row of nodes
+    # opens: the load is W tan(alpha - turn). A quarter of the area is at the edge, on cells of half
+    # the size.
+    weight = WIDTH * 0.6 * HEIGHT * 2000 * 9.81
+    turn = weight / (stiffness * WIDTH * 0.6 / 4) / (WIDTH / 2)
+    alpha = math.atan(WIDTH / HEIGHT)
+    known = 1.0 - math.tan(alpha - turn) / math.tan(alpha)
+    assert known > 0.15
+    assert float(share.removesuffix(" %")) / 100.0 == pytest.approx(known, rel=0.15)
