@@ -146,13 +146,6 @@ def test_scripts_of_engines_know_the_same_strengths() -> None:
         assert of_script(force[n], (1.0, 0.0, 0.0), material, area[n]) == pytest.approx(used[n])
 
 
-def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:
-    contact_law = ContactLaw.of(block_on_ground(joint, Kind.INNER, 0.02))
-    for name in ("shear_strength", "tensile_strength", "normal_stiffness", "shear_stiffness"):
-        of_area = getattr(INNER, "cohesion" if name == "shear_strength" else name)
-        assert getattr(contact_law, name).sum() == pytest.approx(of_area * joint.a * joint.b)
-
-
 @pytest.mark.parametrize("name", ["cohesion", "tensile_strength"])
 def test_without_a_strength_any_force_against_it_is_too_much(name: str) -> None:
     contact_law, state = bonds(Joint(3, inner=replace(INNER, **{name: 0.0})))

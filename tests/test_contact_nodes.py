@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from joints import loaded
 
 from sidmacib import Joint, NodeLayout, assemble
-from sidmacib.mechanics.contact_nodes import cell_counts, contact_nodes, side_rule
+from sidmacib.mechanics.contact_nodes import cell_counts, side_rule
 from sidmacib.mechanics.static import StaticSolution, static_peak
 
 LAYOUTS = list(NodeLayout)
@@ -68,17 +68,6 @@ def test_nodes_of_a_face_have_its_area_middle_and_corners(layout: NodeLayout, me
         for corner in (face.low, face.high):
             apart = np.abs(places - corner).sum(axis=1).min()
             assert (apart < 1e-12) == (layout is not NodeLayout.CENTRES)
-
-
-def test_no_cell_is_longer_than_the_mesh() -> None:
-    faces = assemble(Joint(3), 0.02).faces
-    for face, counts in zip(faces, cell_counts(faces, 0.02), strict=True):
-        sides = np.subtract(face.high, face.low)
-        assert np.all(sides / counts <= 0.02 * (1 + 1e-9))
-        assert counts[face.axis] == 1
-    assert len(contact_nodes(faces, 0.02, NodeLayout.CENTRES).area) == sum(
-        x * y * z for x, y, z in cell_counts(faces, 0.02)
-    )
 
 
 @pytest.mark.parametrize("locks", [3, 5])

@@ -1,4 +1,4 @@
-"""The design of locks of a structure, against closed forms and symmetry, and the order of placing."""
+"""The design of locks of a structure, against closed forms, and the order of placing."""
 
 from dataclasses import replace
 

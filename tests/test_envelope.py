@@ -2,9 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import count as count_from
 
-import cvxpy as cp
 import numpy as np
 import pytest
 from conftest import scaled
@@ -28,7 +26,6 @@ from sidmacib.contact_points.envelope import envelope, polygon
 from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, pair_loads, programme
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.mechanics.optimisation import solve
 
 
 def support_of(points: np.ndarray):
@@ -242,36 +239,6 @@ def test_pure_shear_is_published(locks: int, published: float, option: str, fric
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(published, rel=1e-9)
 
 
-@settings(max_examples=20)
-@given(
-    st.integers(2, 7),
-    st.floats(0.05, 0.5),
-    st.one_of(st.floats(0.0, 1.0), st.just(math.inf)),
-)
-def test_torque_falls_linearly_with_shear(locks: int, distance: float, eccentricity: float) -> None:
-    joint = Joint(locks)
-    model = Sidmacib(joint, ContactOption.pair(distance), friction=False)
-    point = capacity(model, Direction(eccentricity))
-    expected = distance * joint.a * (locks * joint.T0 - point.shear)
-    assert point.torque == pytest.approx(expected, abs=1e-6 * joint.T0 * joint.a)
-
-
-def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> float:
-    """The paper's procedure: raise the load until no forces balance it."""
-    admissible = programme(model)
-    load = cp.Parameter()
-    each = np.array([direction.shear, direction.torque * model.joint.a]) / admissible.units.plane
-    carried = [*admissible.constraints, admissible.loads == each * load]
-    problem = cp.Problem(cp.Minimize(0), carried)
-    for count in count_from(1):
-        load.value = count * step
-        try:
-            solve(problem, "step")
-        except InfeasibleError:
-            break
-    return (count - 1) * step
-
-
 def test_a_programme_is_made_once_for_a_joint(
     joint: Joint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -286,17 +253,6 @@ def test_a_programme_is_made_once_for_a_joint(
     for one, other in zip(singly, capacities(model, directions), strict=True):
         assert one.load == other.load
         assert (one.forces == other.forces).all()
-
-
-@pytest.mark.parametrize("friction", [False, True])
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
-def test_steps_end_at_the_same_load(joint: Joint, friction: bool, eccentricity: float) -> None:
-    direction = Direction(eccentricity)
-    model = Sidmacib(joint, OPTIONS["option4"], friction=friction)
-    step = 2.0
-    reached = raised_step_by_step(model, direction, step)
-    assert reached <= capacity(model, direction).load + 1e-6
-    assert reached > capacity(model, direction).load - step - 1e-6
 
 
 def test_forces_at_the_peak_balance_the_upper_block_and_keep_their_bounds(joint: Joint) -> None:
@@ -354,14 +310,6 @@ def upper_block_weight(joint: Joint) -> float:
     """Self-weight in N, by hand."""
     volume = joint.a * joint.b * (joint.locks * joint.H + (joint.locks + 1) // 2 * joint.h)
     return joint.density * GRAVITY * volume
-
-
-def test_three_points_with_unequal_portions_are_possible(joint: Joint) -> None:
-    option = ContactOption((-0.4, 0.0, 0.4), (0.25, 0.5, 0.25))
-    model = Sidmacib(joint, option, friction=False)
-    assert capacity(model, PURE_SHEAR).shear == pytest.approx(720.0)
-    torque = 3 * joint.T0 * 2 * 0.25 * 0.4 * joint.a
-    assert capacity(model, TORSION).torque == pytest.approx(torque)
 
 
 def test_three_points_give_a_curve_of_two_straight_parts(joint: Joint) -> None:

@@ -1,15 +1,13 @@
 """Permanent loads of a structure's file, against statics by hand."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from described import CUBE, DOWN, PUSH, WEIGHT
-from structures import dry, example, solved
+from structures import dry, example
 
-from analysis.tables.structures import structures_table
 from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer
 from sidmacib.engines import ENGINES
@@ -169,13 +167,6 @@ def test_a_force_on_top_of_a_tilted_block_holds_it_by_its_lever() -> None:
         found = limit_tilt(*problem).angle
         assert found == pytest.approx(exact, abs=1e-3)
         assert static_answer(problem).load == pytest.approx(exact, rel=2e-3)
-
-
-def test_a_study_tilts_beside_permanent_loads(tmp_path: Path) -> None:
-    given = {**CUBE, "permanent": PRESSED[:1], "load": SLOPE}
-    config = {"structures": {"cube": {"description": given}}, "models": ["static", "limit"]}
-    table = structures_table(solved(tmp_path, **config, dem={"engines": []}))
-    assert table["tilt_degrees"].tolist() == pytest.approx([slides_at(0.4)] * 2, rel=1e-3)
 
 
 def test_arrows_and_words_tell_what_does_not_turn() -> None:

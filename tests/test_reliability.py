@@ -42,14 +42,6 @@ def test_quantiles_are_those_of_many_joints(share: float) -> None:
     assert scattered.quantile(share) == pytest.approx(np.quantile(drawn, share), rel=5e-3)
 
 
-def test_survival_falls_from_certain_to_none() -> None:
-    scattered = scatter(Joint(5), PURE_SHEAR, 0.15)
-    chances = [scattered.survival(scattered.load * factor) for factor in (0.0, 0.4, 0.8, 1.0, 3.0)]
-    assert chances[0] == 1.0
-    assert chances == sorted(chances, reverse=True)
-    assert chances[-1] == pytest.approx(0.0, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("variation", "share", "name"),
     [*((0.2, share, "share") for share in (0.0, 1.0, -1.0)), (0.0, 0.5, "variation")],
