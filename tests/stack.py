@@ -48,14 +48,3 @@ def tilted_stack(
     return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), width), Loads(
         weight, variable, total
     )
-
-
-def hinge(assembly: Assembly) -> float:
-    """Distance (m) from the stack's axis to the outermost nodes, about which it overturns."""
-    return float(assembly.nodes.position[:, 0].max())
-
-
-def overturning(assembly: Assembly) -> float:
-    """Tangent k of the tilt at which the whole stack overturns: lever of its weight over height."""
-    top = max(piece.high[2] for piece in assembly.pieces)
-    return hinge(assembly) / (top / 2)

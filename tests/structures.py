@@ -10,12 +10,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from small import COARSE
 
-from sidmacib import Assembly, FaceMaterial, limit_load
+from sidmacib import Assembly, FaceMaterial
 from sidmacib.models import MODELS
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.structure_file import description_in, structure_of
-from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure
 from sidmacib.yaml_text import read_yaml
 from workflow import engine, solve
@@ -98,10 +97,3 @@ def moved(block: Block, turn: Rotation, shift: Sequence[float]) -> Block:
     """The block turned about the origin, then shifted (m)."""
     places = turn.apply(block.places) + np.array(shift)
     return replace(block, vertices=tuple(tuple(map(float, place)) for place in places))
-
-
-def tilt(assembly: Assembly) -> float:
-    """Angle in degrees at which a dry structure fails when it is tilted towards x."""
-    loads = acceleration(assembly, (1.0, 0.0, 0.0))
-    load = limit_load(assembly, loads, friction=True).load
-    return degrees(load / free_weight(assembly))

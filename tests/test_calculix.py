@@ -29,31 +29,6 @@ def elastic(joint: Joint, body: UpperBody = UpperBody.COLUMNS) -> Joint:
     return replace(joint, elastic=Elastic(1e10, 0.2), upper_body=body)
 
 
-def deck_of(joint: Joint, layout: NodeLayout = NodeLayout.VERTICES) -> CalculixDeck:
-    return CalculixDeck(as_read(*loaded(joint, 0.5, 0.02, layout)))
-
-
-def places(deck: CalculixDeck) -> dict[int, np.ndarray]:
-    return {
-        number: np.array(grid.place(steps))
-        for grid in deck.grids
-        for number, steps in enumerate(grid.nodes, start=grid.first_node)
-    }
-
-
-def resultant(deck: CalculixDeck, forces: dict[tuple[int, int], float], index: int) -> np.ndarray:
-    """Force and moment about a piece's centre of the nodal forces on it."""
-    where, piece, grid = places(deck), deck.assembly.pieces[index], deck.grids[index]
-    numbers = range(grid.first_node, grid.first_node + len(grid.nodes))
-    found = np.zeros(6)
-    for (node, direction), force in forces.items():
-        if node in numbers:
-            vector = force * np.eye(3)[direction - 1]
-            arm = where[node] - np.array(piece.centre_m)
-            found += [*vector, *np.cross(arm, vector)]
-    return found
-
-
 # --- the deck ------------------------------------------------------------------------------------
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 @pytest.mark.parametrize("hold_down", [HoldDown(), HoldDown.force(500.0)])
@@ -61,15 +36,24 @@ def test_nodal_forces_add_up_to_the_loads(eccentricity: float, hold_down: HoldDo
     joint = elastic(Joint(3, hold_down=hold_down))
     assembly, loads = loaded(joint, eccentricity, 0.02, NodeLayout.VERTICES)
     deck = CalculixDeck(as_read(assembly, loads))
-    for index, piece in enumerate(assembly.pieces):
+    for index, (piece, grid) in enumerate(zip(assembly.pieces, deck.grids, strict=True)):
+        centre = np.array(deck.assembly.pieces[index].centre_m)
+        nodes = enumerate(grid.nodes, start=grid.first_node)
+        arms = {number: np.array(grid.place(steps)) - centre for number, steps in nodes}
         for forces, whole in ((deck.permanent, loads.permanent), (deck.variable, loads.variable)):
+            resultant = np.zeros(6)
+            for (node, direction), force in forces.items():
+                if node in arms:
+                    vector = force * np.eye(3)[direction - 1]
+                    resultant += [*vector, *np.cross(arms[node], vector)]
             expected = np.zeros(6) if piece.fixed else whole[index]
-            assert resultant(deck, forces, index) == pytest.approx(expected, abs=1e-12)
+            assert resultant == pytest.approx(expected, abs=1e-12)
 
 
 def test_every_contact_node_of_a_rough_face_is_a_node_of_both_grids() -> None:
     for layout in (NodeLayout.VERTICES, NodeLayout.LOBATTO):
-        deck = deck_of(elastic(Joint(3), UpperBody.MONOLITHIC), layout)
+        joint = elastic(Joint(3), UpperBody.MONOLITHIC)
+        deck = CalculixDeck(as_read(*loaded(joint, 0.5, 0.02, layout)))
         for number, node in enumerate(deck.assembly.nodes):
             face, weights = deck.assembly.faces[node.face], deck.jump_weights(number)
             assert sum(weights.values()) == pytest.approx(0.0, abs=1e-12)

@@ -8,7 +8,7 @@ from described import FILES
 
 from sidmacib.compas import multilock_solve, show_forces
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import GRAVITY, Assembly
+from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import free_weight
@@ -142,26 +142,8 @@ def test_blocks_without_a_density_are_refused_unless_it_is_given() -> None:
 def test_a_model_of_compas_has_the_limit_load_of_every_other_door(name: str) -> None:
     description = FILES[name]
     structure = structure_of(description)
-    model, problem, names = in_compas(structure.assembly, description["load"]["acceleration"])
-    special = [
-        {**each, "between": [names[block] for block in each["between"]]}
-        for each in description.get("special", [])
-    ]
-    laws = {"interfaces": description["interfaces"], "special": special}
-    found = multilock_solve(problem, model, laws=laws, limit=True).metadata["load_factor"]
-    limit = limit_state(*structure)
-    assert found * free_weight(structure.assembly) == pytest.approx(limit.load, rel=1e-6)
-
-
-def in_compas(
-    assembly: Assembly, direction: tuple[float, float, float]
-) -> tuple[Any, Any, dict[str, str]]:
-    """A structure as model and problem of compas_dem, and the names of its blocks there.
-
-    Its load: an acceleration of g.
-    """
     model, names = BlockModel(), {}
-    for piece in assembly.pieces:
+    for piece in structure.assembly.pieces:
         mesh = Mesh.from_vertices_and_faces(piece.vertices, piece.faces)
         node = model.add_block_from_mesh(mesh)
         names[piece.name] = f"block-{node}"
@@ -173,5 +155,12 @@ def in_compas(
     problem = Problem(model)
     problem.set_contact_model("MohrCoulomb", mu=0.1)  # laws say more
     live = problem.add_boundary_condition("live")
-    live.add_global_body_force(*(GRAVITY * part for part in direction))
-    return model, problem, names
+    live.add_global_body_force(*(GRAVITY * part for part in description["load"]["acceleration"]))
+    special = [
+        {**each, "between": [names[block] for block in each["between"]]}
+        for each in description.get("special", [])
+    ]
+    laws = {"interfaces": description["interfaces"], "special": special}
+    found = multilock_solve(problem, model, laws=laws, limit=True).metadata["load_factor"]
+    limit = limit_state(*structure)
+    assert found * free_weight(structure.assembly) == pytest.approx(limit.load, rel=1e-6)

@@ -10,8 +10,7 @@ from structures import dry
 from sidmacib import OPTIONS, InfeasibleError, Sidmacib, capacity, limit_load, static_peak
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
-from sidmacib.problem import Problem
+from sidmacib.mechanics.assembly import Kind, Loads, NodeLayout
 from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.locks import ALL, Condensed, Locks
@@ -46,26 +45,21 @@ def pressed(
     return Loads(permanent, variable, joint.T0)
 
 
-def with_loads_of(problem: Problem, other: Assembly) -> Loads:
-    """The loads on the pieces of ``other``, which are those of ``problem`` in another order."""
-    centres = np.array([piece.centre for piece in other.pieces])
-    permanent, variable = np.zeros((2, len(centres), 6))
-    for number, piece in enumerate(problem.assembly.pieces):
-        if not piece.fixed:
-            same = int(np.argmin(np.linalg.norm(centres - piece.centre, axis=1)))
-            assert other.pieces[same].mass == pytest.approx(piece.mass)
-            permanent[same] = problem.loads.permanent[number]
-            variable[same] = problem.loads.variable[number]
-    return Loads(permanent, variable, problem.loads.scale)
-
-
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5])
 def test_the_joint_as_two_blocks_has_the_numbers_of_the_joint(eccentricity: float) -> None:
     joint = Joint(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
     problem = posed(joint, Loading(Direction(eccentricity)), 0.02)
     cells = {"mesh": 0.02, "nodes": NodeLayout.LOBATTO}
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint)}, **cells)
-    loads = with_loads_of(problem, two)
+    centres = np.array([piece.centre for piece in two.pieces])
+    permanent, variable = np.zeros((2, len(centres), 6))
+    for number, piece in enumerate(problem.assembly.pieces):
+        if not piece.fixed:  # the pieces are the same, in another order
+            same = int(np.argmin(np.linalg.norm(centres - piece.centre, axis=1)))
+            assert two.pieces[same].mass == pytest.approx(piece.mass)
+            permanent[same] = problem.loads.permanent[number]
+            variable[same] = problem.loads.variable[number]
+    loads = Loads(permanent, variable, problem.loads.scale)
     here, there = static_peak(*problem), static_peak(two, loads)
     assert there.first_failure_load == pytest.approx(here.first_failure_load, rel=1e-10)
     assert there.peak.load == pytest.approx(here.peak.load, rel=1e-10)

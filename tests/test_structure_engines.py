@@ -172,11 +172,16 @@ def test_a_block_that_meets_another_has_no_peak(engine: str, gap: float, tmp_pat
     assert load == pytest.approx(slides, rel=2e-3)
 
 
-def in_a_groove(friction: float, top: float | None) -> Assembly:
-    """A block in a groove along y, its flanks 30 degrees from the horizontal, as in type c.
-
-    ``top``: height (m) of the block, which by default fills the groove.
-    """
+@pytest.mark.engine
+@pytest.mark.parametrize(
+    ("engine", "friction", "top"),
+    # The last one rocks first, and its rotation wedges it: small rotations say 35 degrees.
+    [*((name, mu, None) for name in DISTINCT for mu in (0.2, 0.5)), ("yade", 0.84, 1.8382)],
+)
+def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_cosine(
+    engine: str, friction: float, top: float | None, tmp_path: Path
+) -> None:
+    """Flanks 30 degrees from the horizontal, as in type c; the block fills the groove up to top."""
     above = [(1.0, top), (-1.0, top)] if top else []
     rise = math.tan(math.radians(30.0))
     left = ((-1.0, rise), (0.0, 0.0), (0.0, -0.5), (-1.0, -0.5))
@@ -189,19 +194,7 @@ def in_a_groove(friction: float, top: float | None) -> Assembly:
         prism(n, [(x, 0.0, z) for x, z in base], (0.0, 1.0, 0.0), 2e3, fixed=n != "block")
         for n, base in bases.items()
     ]
-    return structure(blocks, dry(friction))
-
-
-@pytest.mark.engine
-@pytest.mark.parametrize(
-    ("engine", "friction", "top"),
-    # The last one rocks first, and its rotation wedges it: small rotations say 35 degrees.
-    [*((name, mu, None) for name in DISTINCT for mu in (0.2, 0.5)), ("yade", 0.84, 1.8382)],
-)
-def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_cosine(
-    engine: str, friction: float, top: float | None, tmp_path: Path
-) -> None:
-    model = in_a_groove(friction, top)
+    model = structure(blocks, dry(friction))
     expected = math.degrees(math.atan(friction / math.cos(math.radians(30.0))))
     if top:
         assert static_tilt(model, tilting(model, (1.0, 0.0, 0.0))).angle < 0.9 * expected
