@@ -145,18 +145,13 @@ NARROW = LockKind((0.04,), 0.02, INNER, DRY)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def sites(assembly: Assembly, runs: dict[str, Vector]) -> tuple[Site, ...]:
-    """A site for each face that is named in ``runs``, with locks along the direction there."""
-    return tuple(
+def chosen(assembly: Assembly, runs: dict[str, Vector]) -> tuple[Assembly, tuple[Site, ...], list]:
+    """The assembly, its sites, and locks at all of them."""
+    found = tuple(
         Site(number, layouts_of(face, NARROW, [runs[face.name]], 1))
         for number, face in enumerate(assembly.faces)
         if face.name in runs
     )
-
-
-def chosen(assembly: Assembly, runs: dict[str, Vector]) -> tuple[Assembly, tuple[Site, ...], list]:
-    """The assembly, its sites, and locks at all of them."""
-    found = sites(assembly, runs)
     return assembly, found, [site.layouts[0] for site in found]
 
 

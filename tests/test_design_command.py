@@ -74,24 +74,17 @@ def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
     assert "first failure" not in answer["verdict"]
 
 
-def in_a_slot() -> dict[str, Any]:
-    """A block between a base, which is longer than the block, and a roof without friction."""
+@pytest.mark.parametrize(("length", "placed"), [(1.2, False), (0.6, True)])
+def test_a_block_is_not_pushed_along_grooves_that_are_closed(length: float, placed: bool) -> None:
+    """Locks along x in a base that goes on behind the block at both ends, or at one."""
     given = two_blocks()
-    given["blocks"] = {
-        "base": {"low": [-0.4, 0, -0.3], "high": [1.2, 0.6, 0], "fixed": True},
+    given["blocks"] = {  # and a roof without friction
+        "base": {"low": [-0.4, 0, -0.3], "high": [length, 0.6, 0], "fixed": True},
         "roof": {"low": [-0.4, 0, 0.3], "high": [1.2, 0.6, 0.5], "fixed": True},
         "block": {"low": [0.2, 0, 0], "high": [0.6, 0.6, 0.3]},
     }
     given["interfaces"]["friction"] = 0.0
     given["design"] |= {"angles": [0], "between": [["base", "block"]]}
-    return given
-
-
-@pytest.mark.parametrize(("length", "placed"), [(1.2, False), (0.6, True)])
-def test_a_block_is_not_pushed_along_grooves_that_are_closed(length: float, placed: bool) -> None:
-    """Locks along x in a base that goes on behind the block at both ends, or at one."""
-    given = in_a_slot()
-    given["blocks"]["base"]["high"][0] = length
     task = task_of(given)
     if placed:
         (step,) = design_of(task).order.steps
@@ -159,24 +152,19 @@ def test_more_than_there_is_room_for_is_refused_with_the_largest_factor() -> Non
         design_of(task_of(given))
 
 
-def niche() -> dict[str, Any]:
-    """A block between a floor and a wall, pushed so that both want locks that block it in."""
+def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> None:
+    """A block between a floor and two walls, pushed so that all want locks that block it in."""
     given = two_blocks()
     given["blocks"]["wall"] = {"low": [0.4, 0, 0], "high": [0.6, 0.6, 0.3], "fixed": True}
     given["blocks"]["other"] = {"low": [-0.2, 0, 0], "high": [0, 0.6, 0.3], "fixed": True}
-    given["interfaces"] = {"friction": 0.0}
-    given["design"]["angles"] = [0, 90]
-    up = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 0, 1]}
-    side = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 1, 0]}
-    cases = {"up": {"force": up, "newtons": 3500}, "side": {"force": side, "newtons": 2500}}
-    given["design"]["cases"] = cases
-    return given
-
-
-def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> None:
-    given = niche()
+    given["interfaces"]["friction"] = 0.0
+    at = {"block": "block", "at": [0.2, 0.3, 0.15]}
+    given["design"]["cases"] = {
+        "up": {"force": {**at, "direction": [0, 0, 1]}, "newtons": 3500},
+        "side": {"force": {**at, "direction": [0, 1, 0]}, "newtons": 2500},
+    }
     given["design"]["locks"]["most"] = 2
-    given["design"] |= {"buildable": False, "raised": 0}
+    given["design"] |= {"angles": [0, 90], "buildable": False, "raised": 0}
     task = task_of(given)
     structure = task.structure
     free = design_of(task)

@@ -24,7 +24,6 @@ from sidmacib import Direction, NodeLayout, law, static_first_failure
 from sidmacib.answers.joint import meshes
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.parameters import PARAMETERS
-from sidmacib.problem import Problem
 from workflow.configuration import read_study
 
 STATES = (
@@ -161,19 +160,16 @@ def test_two_variants_are_compared_in_what_differs_and_in_all_results() -> None:
 # --- effects ------------------------------------------------------------------------------------
 def test_an_arrow_points_to_where_the_first_failure_is_larger() -> None:
     state = Settings(locks=5, eccentricity=0.3, pressure=50.0)
-    found = effects(state)
+    found, loading = effects(state), Loading(Direction(state.eccentricity))
     assert found.keys() == {"a", "b", "h", "H", "cohesion", "friction", "pressure"}
     for name, said in found.items():
         value = state.values[name]
+        joints = [replace(state, **{name: value * share}).joint for share in (0.98, 1.02)]
         less, more = (
-            static_first_failure(*posed_at(replace(state, **{name: value * share}))).point.load
-            for share in (0.98, 1.02)
+            static_first_failure(*posed(joint, loading, meshes(joint)[1])).point.load
+            for joint in joints
         )
         rise = 100.0 * (more - less) / (more + less) / 2.0
         arrow, number, _ = said.split(" ")
         assert arrow == ("\N{RIGHTWARDS ARROW}" if rise > 0.0 else "\N{LEFTWARDS ARROW}")
         assert float(number.replace("\N{MINUS SIGN}", "-")) == pytest.approx(rise, abs=0.02)
-
-
-def posed_at(state: Settings) -> Problem:
-    return posed(state.joint, Loading(Direction(state.eccentricity)), meshes(state.joint)[1])

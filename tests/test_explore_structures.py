@@ -26,10 +26,6 @@ from sidmacib.yaml_text import parsed, read_yaml
 QUICK = sorted(EXAMPLES.keys() - {"vault"})
 
 
-def ask(served: Served, values: object, number: int = 1) -> Answered:
-    return served.post("/structure", {"page": "test", "number": number, "values": values})
-
-
 def chosen(**given: object) -> Chosen:
     found = checked_choice(given)
     assert found.notes == ()
@@ -103,7 +99,8 @@ def test_a_model_without_an_answer_says_why() -> None:
 
 # --- requests ------------------------------------------------------------------------------------
 def test_a_request_is_answered_for_what_the_sliders_allow(served: Served) -> None:
-    found = ask(served, {"structure": "wall", "friction": 7}, number=3)
+    asked = {"page": "test", "number": 3, "values": {"structure": "wall", "friction": 7}}
+    found = served.post("/structure", asked)
     assert found.status == 200, found.text
     assert found.content["number"] == 3
     assert found.content["values"] == defaults("wall") | {"friction": 1.0}

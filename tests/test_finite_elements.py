@@ -8,7 +8,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
-from sidmacib.mechanics.elastic.finite_elements import ElasticCuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.elastic.finite_elements import ElasticCuboid, Grid, Spread
 from sidmacib.mechanics.elastic.jumps import OpenGaps
 
 SIZE = np.array([0.06, 0.05, 0.027])
@@ -21,12 +21,6 @@ def grid(size: Floats, *cells: int) -> Grid:
     return x, y, z
 
 
-def seen_at(cuboid: ElasticCuboid, places: Floats, loads: list[Spread]) -> Flexibility:
-    """Flexibility of all components at some places, and displacements there by loads."""
-    rows = cuboid.values(np.repeat(places, 3, axis=0))
-    return cuboid.flexibility(cuboid.contact(rows, np.tile([0, 1, 2], len(places))), loads)
-
-
 @pytest.mark.parametrize("quadratic", [True, False])
 def test_elements_are_those_of_the_library_in_3d(quadratic: bool) -> None:
     edges = grid(SIZE, 2, 1, 1)
@@ -35,19 +29,14 @@ def test_elements_are_those_of_the_library_in_3d(quadratic: bool) -> None:
     element = skfem.ElementHex2() if quadratic else skfem.ElementHex1()
     basis = skfem.Basis(mesh, skfem.ElementVector(element), intorder=4)
     whole = sp.csr_array(linear_elasticity(*lame_parameters(1.0, POISSON)).assemble(basis))
-    # The library's degrees of freedom by place, then by component: as the cuboid has them.
-    order = np.lexsort([_component(basis), *np.round(basis.doflocs, 9)[::-1]])
-    assert abs(whole[order][:, order] - cuboid.stiffness).max() < 1e-12 * abs(whole).max()
-
-
-def _component(basis: skfem.Basis) -> Floats:
-    """Component of each degree of freedom."""
-    found = np.empty(basis.N)
+    component = np.empty(basis.N)
     for place in ("nodal", "edge", "facet", "interior"):
         dofs = getattr(basis.dofs, f"{place}_dofs")
         if dofs is not None and dofs.size:
-            found[dofs] = np.arange(3)[:, None]
-    return found
+            component[dofs] = np.arange(3)[:, None]
+    # The library's degrees of freedom by place, then by component: as the cuboid has them.
+    order = np.lexsort([component, *np.round(basis.doflocs, 9)[::-1]])
+    assert abs(whole[order][:, order] - cuboid.stiffness).max() < 1e-12 * abs(whole).max()
 
 
 @pytest.mark.parametrize("quadratic", [True, False])
@@ -57,7 +46,8 @@ def test_a_pull_gives_a_uniform_strain(quadratic: bool, axis: int) -> None:
     force = np.zeros((2, 6))
     force[0, axis], force[1, axis] = -1.0, 1.0
     pull = [Spread(tuple(row), axis, bool(high)) for high, row in enumerate(force)]
-    found = seen_at(cuboid, cuboid.place[[0, -1]], pull)
+    rows = cuboid.values(np.repeat(cuboid.place[[0, -1]], 3, axis=0))
+    found = cuboid.flexibility(cuboid.contact(rows, np.tile([0, 1, 2], 2)), pull)
     moved = found.by_load.sum(axis=1).reshape(2, 3)
     stress = 1.0 / (SIZE.prod() / SIZE[axis])
     strain = np.where(np.arange(3) == axis, stress, -POISSON * stress)

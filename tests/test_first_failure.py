@@ -32,11 +32,6 @@ def failure(joint: Joint, eccentricity: float = 0.0, push: Push = Push.PLUS_Y) -
     return first_failure(joint, Loading(Direction(eccentricity), push=push))
 
 
-def on_mesh(joint: Joint, loading: Loading, cells: int) -> float:
-    """The static model's first failure (N) on so many cells along a lock's shorter side."""
-    return static_first_failure(*posed(joint, loading, joint.least_side / cells)).point.load
-
-
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("eccentricity", DIRECTIONS)
 @pytest.mark.parametrize("locks", [3, 8])
@@ -111,7 +106,7 @@ def test_first_failures_are_those_of_the_static_model(
     body: UpperBody,
 ) -> None:
     joint, loading = joint_of(locks, upper_body=body, **others), Loading(Direction(eccentricity))
-    expected = on_mesh(joint, loading, cells)
+    expected = static_first_failure(*posed(joint, loading, joint.least_side / cells)).point.load
     assert first_failure(joint, loading).load == pytest.approx(expected, rel=within)
 
 
@@ -167,12 +162,6 @@ JOINTS = {
     "rough bonds": (Joint(4, **ODD | {"inner": ROUGH_BOND}), Direction(0.3)),
     "other locks": (Joint(3, **ODD, different={2: OTHER}), Direction(0.3)),
 }
-
-
-def solved(name: str) -> Sensitivity:
-    joint, direction = JOINTS[name]
-    loading = Loading(direction, push=Push.MINUS_Y if name == "rough" else Push.PLUS_Y)
-    return sensitivity(joint, loading, joint.least_side)
 
 
 def per_cent(found: Sensitivity, *names: str) -> float:
@@ -247,7 +236,9 @@ SECOND_ORDER = 0.02  # per cent
 @pytest.mark.parametrize("name", JOINTS)
 def test_stiffnesses_that_all_rise_change_nothing_and_strengths_and_loads_scale(name: str) -> None:
     """A larger joint of a lighter material carries the same stresses."""
-    found = solved(name)
+    joint, direction = JOINTS[name]
+    loading = Loading(direction, push=Push.MINUS_Y if name == "rough" else Push.PLUS_Y)
+    found = sensitivity(joint, loading, joint.least_side)
     assert per_cent(found, *STIFFNESSES) == pytest.approx(0.0, abs=SECOND_ORDER)
     if name == "other locks":  # which stay as they are
         return

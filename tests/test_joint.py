@@ -202,14 +202,6 @@ def solved(joint: Joint, loading: Loading, mesh: float = 0.02) -> StaticSolution
     return static_peak(*posed(joint, loading, mesh, NodeLayout.CENTRES))
 
 
-def mirrored(joint: Joint) -> Joint:
-    """The same joint seen from behind: its last lock is the first."""
-    last = Side.UPPER if joint.is_upper(joint.locks) else Side.LOWER
-    own = dict(joint.different).items()
-    different = {joint.locks + 1 - number: changes for number, changes in own}
-    return replace(joint, first=last, different=different)
-
-
 # --- what a joint knows of its locks -------------------------------------------------------------
 def test_locks_of_their_own_are_the_same_in_any_order_and_hashable() -> None:
     one = Joint(3, different={1: OwnLock(width=0.04), 3: OwnLock(width=0.06)})
@@ -270,8 +262,12 @@ def test_as_many_locks_count_as_pairs_bear(locks: int, first: Side, push: Push) 
 @settings(max_examples=6)
 @given(different_joints, st.sampled_from([0.0, 0.3]), st.sampled_from(LoadShare))
 def test_a_mirrored_joint_is_as_strong(joint: Joint, eccentricity: float, share: LoadShare) -> None:
+    """Seen from behind: its last lock is the first."""
+    last = Side.UPPER if joint.is_upper(joint.locks) else Side.LOWER
+    own = {joint.locks + 1 - number: changes for number, changes in joint.different}
+    mirrored = replace(joint, first=last, different=own)
     one = solved(joint, Loading(Direction(eccentricity), share, Push.PLUS_Y))
-    other = solved(mirrored(joint), Loading(Direction(eccentricity), share, Push.MINUS_Y))
+    other = solved(mirrored, Loading(Direction(eccentricity), share, Push.MINUS_Y))
     assert other.peak.load == pytest.approx(one.peak.load, rel=1e-3, abs=1e-3 * joint.T0)
 
 

@@ -2,7 +2,6 @@
 
 import ast
 import sys
-from collections.abc import Iterator
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -85,15 +84,6 @@ def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) ->
     assert read.permanent_N == pytest.approx(loads.scale)
 
 
-def problems_of(engine: Engine) -> Iterator[Problem]:
-    """A joint and, for an engine that can do it, a structure of blocks."""
-    joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
-    yield loaded(joint, 0.5)
-    if not engine.elastic:
-        blocks = on_ground(0.5)
-        yield Problem(blocks, acceleration(blocks, (1.0, 0.0, 0.0)))
-
-
 @pytest.mark.parametrize("key", [field.name for field in fields(Numerics)])
 def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     engine: Engine, key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -102,9 +92,15 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     value = getattr(Numerics(), key)
     other = not value if isinstance(value, bool) else type(value)(2 * value)
 
+    joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
+    problems = [loaded(joint, 0.5)]
+    if not engine.elastic:
+        blocks = on_ground(0.5)
+        problems.append(Problem(blocks, acceleration(blocks, (1.0, 0.0, 0.0))))
+
     def scripts(numerics: Numerics) -> list[str]:
         found = []
-        for problem in problems_of(engine):
+        for problem in problems:
             run_engine(engine, problem, numerics, "what is tested", tmp_path, 1.0)
             found.append((tmp_path / engine.script).read_text())
         return found

@@ -17,7 +17,6 @@ from analysis.report.page import content, page
 from analysis.report.structures import structures_verdict
 from sidmacib.scene.drawn import shape_of
 from sidmacib.structure.files.structure_file import assembly_of
-from workflow.case import StructureCase
 from workflow.cases import structure_cases
 from workflow.command import REPORT
 from workflow.configuration import read_study
@@ -33,7 +32,8 @@ OF_FREE, OF_FIRST = 1, 5  # traces
 @pytest.fixture(scope="module")
 def results(structures_study: Path) -> Path:
     """The study beside a joint, and a report of the structures alone."""
-    data = content(None, tables_in(structures_study), shown_cases(), structures_study)
+    cases = {case.name: case for case in structure_cases(read_study(ONLY_STRUCTURES))}
+    data = content(None, tables_in(structures_study), [*cases.values()], structures_study)
     (structures_study / "alone.html").write_text(page(data, "", "summary"))
     return structures_study
 
@@ -41,10 +41,6 @@ def results(structures_study: Path) -> Path:
 def tables_in(folder: Path) -> dict[str, pd.DataFrame]:
     forms = {"structures": STRUCTURES, "interfaces": INTERFACES, "blocks": BLOCKS}
     return {name: read_table(form, folder / f"tables/{name}.csv") for name, form in forms.items()}
-
-
-def shown_cases() -> list[StructureCase]:
-    return [*{case.name: case for case in structure_cases(read_study(ONLY_STRUCTURES))}.values()]
 
 
 # --- data ----------------------------------------------------------------------------------------
@@ -56,8 +52,9 @@ def test_triangles_close_each_block_and_fill_each_interface(name: str) -> None:
         points = np.array(block["points"])
         area = sum(areas(points, block["triangles"]))
         solids = getattr(piece, "solids", (piece,))
-        sides = [shoelace(side) for solid in solids for side in solid.outlines]
-        assert area == pytest.approx(sum(sides), rel=1e-5)
+        sides = [side for solid in solids for side in solid.outlines]
+        twice = [np.cross(side, np.roll(side, -1, axis=0)).sum(axis=0) for side in sides]
+        assert area == pytest.approx(np.linalg.norm(twice, axis=1).sum() / 2.0, rel=1e-5)
         assert max(map(max, block["edges"])) < len(points)
     for face, region in zip(assembly.faces, shape["interfaces"], strict=True):
         points = np.array(region["points"])
@@ -68,11 +65,6 @@ def test_triangles_close_each_block_and_fill_each_interface(name: str) -> None:
 def areas(points: Any, triangles: list[list[int]]) -> Iterator[float]:
     for a, b, c in triangles:
         yield float(np.linalg.norm(np.cross(points[b] - points[a], points[c] - points[a]))) / 2
-
-
-def shoelace(corners: Any) -> float:
-    around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
-    return float(np.linalg.norm(around)) / 2
 
 
 def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:

@@ -243,11 +243,11 @@ def test_unsettled_friction_tells_the_last_equilibrium(monkeypatch: pytest.Monke
 
 
 # --- geometry that would give wrong numbers, and rounding ----------------------------------------
-SEEDS = range(8)
 
 
-def cut_box(seed: int) -> tuple[list[Block], float]:
-    """A box cut by random planes, which cut one or all blocks, and the area (m2) of the cuts."""
+@pytest.mark.parametrize("seed", range(8))
+def test_interfaces_have_the_area_of_the_cuts_however_they_are_turned(seed: int) -> None:
+    """A box cut by random planes, which cut one or all blocks."""
     random = np.random.default_rng(seed)
     blocks, area = [box("all", (0.0, 0.0, 0.0), (1.0, 0.6, 1.2), 2e3)], 0.0
     for _ in range(4):
@@ -262,21 +262,16 @@ def cut_box(seed: int) -> tuple[list[Block], float]:
         for whole, low, high in parts:
             if low and high:
                 area += (_surface(low) + _surface(high) - _surface(whole)) / 2.0
-    return [replace(block, name=f"block{k}") for k, block in enumerate(blocks)], area
+    blocks = [replace(block, name=f"block{k}") for k, block in enumerate(blocks)]
+    turn = Rotation.random(rng=seed)
+    turned = [moved(block, turn, (1.0, 2.0, 3.0)) for block in blocks]
+    for pieces in (blocks, turned):
+        assert sum(each.outline.area for each in interfaces(pieces)) == pytest.approx(area)
 
 
 def _surface(block: Block) -> float:
     twice = [np.cross(face, np.roll(face, -1, axis=0)).sum(axis=0) for face in block.outlines]
     return float(np.linalg.norm(twice, axis=1).sum() / 2.0)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_interfaces_have_the_area_of_the_cuts_however_they_are_turned(seed: int) -> None:
-    blocks, area = cut_box(seed)
-    turn = Rotation.random(rng=seed)
-    turned = [moved(block, turn, (1.0, 2.0, 3.0)) for block in blocks]
-    for pieces in (blocks, turned):
-        assert sum(each.outline.area for each in interfaces(pieces)) == pytest.approx(area)
 
 
 def test_outlines_that_share_an_edge_but_for_rounding_have_no_region_in_common() -> None:

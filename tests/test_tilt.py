@@ -110,13 +110,6 @@ def test_gravity_that_turns_is_a_load_of_the_weight_times_the_angle(axis: Vector
     assert loads.at(1e-3) == pytest.approx(loads.permanent + 1e-3 * loads.variable)
 
 
-def leaning_stack() -> list[Block]:
-    """Three blocks, each a little further along x and y than the one below."""
-    first, step = box("block", (0.0, 0.0, 0.0), (0.5, 0.4, 0.3), 2e3), np.array([0.05, 0.03, 0.3])
-    here = Rotation.identity()
-    return [replace(moved(first, here, k * step), name=f"block{k}") for k in range(3)]
-
-
 def wedge() -> list[Block]:
     """A block in a notch between two fixed ones."""
     along = (0.0, 1.0, 0.0)
@@ -127,7 +120,11 @@ def wedge() -> list[Block]:
     return [*flanks, prism("key", [(0, 0, 0), (0.7, 0, 0.7), (-0.7, 0, 0.7)], along, 2e3)]
 
 
-SHAPES = {"stack": [GROUND, *leaning_stack()], "arch": arch(9, 0.25), "wedge": wedge()}
+STONE, STEP = box("block", (0.0, 0.0, 0.0), (0.5, 0.4, 0.3), 2e3), np.array([0.05, 0.03, 0.3])
+STACK = [  # each a little further along x and y than the one below
+    replace(moved(STONE, Rotation.identity(), k * STEP), name=f"block{k}") for k in range(3)
+]
+SHAPES = {"stack": [GROUND, *STACK], "arch": arch(9, 0.25), "wedge": wedge()}
 MATERIAL = dry(0.4)
 
 
