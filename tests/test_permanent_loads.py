@@ -116,23 +116,6 @@ def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
     assert curve.load[:-1] == pytest.approx(expected, abs=1e-6 * curve.load[0])
 
 
-@pytest.mark.parametrize(
-    ("permanent", "message"),
-    [
-        ({"pressure": {"side": [0, 0, -1], "pascals": 1}}, "permanent.1.pressure: no free face of"),
-        ({"pressure": {"side": [1, 0, 0], "pascals": "5kN"}}, "5kN is a force"),
-        ({"earth": {"side": [1, 0, 1], "level": 1, "coefficient": 1}}, "it must be horizontal"),
-        ({"surcharge": {"pascals": 1, "x": [1, 0]}}, "the first value must not exceed"),
-        ({"surcharge": {"pascals": 1, "blocks": "kube"}}, "blocks: .kube. is .* be names of free"),
-        ({"force": {**DOWN["force"], "block": "ground", "newtons": 1}}, "block: 'ground' is not"),
-        ({}, "permanent.1: must have one key, force, pressure, surcharge, earth, water"),
-    ],
-)
-def test_a_fault_of_a_permanent_load_is_named(permanent: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        sliding(permanent)
-
-
 SLOPE = {"tilt": {"axis": [0, 1, 0]}}
 PRESSED = [
     {"surcharge": {"pascals": 0.4 * WEIGHT}},

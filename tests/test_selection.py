@@ -76,33 +76,3 @@ def test_locks_are_of_the_pairs_that_a_rule_fits() -> None:
         if face.kind is Kind.LOCKED
     ]
     assert set(locked) == HEADS
-
-
-@pytest.mark.parametrize(
-    ("between", "words"),
-    [
-        ("some", r"special\.1\.between: 'some' is not allowed; it must be a list of two blocks"),
-        ({}, "must have blocks, materials or normal"),
-        ({"within": 3}, "must have blocks, materials or normal"),
-        ({"colour": "red"}, "between.colour: unknown key; allowed keys: blocks, materials"),
-        ({"materials": "glass"}, "materials: 'glass' is not allowed; it must be brick, rock"),
-        ({"blocks": "roof*"}, "between: fits no two blocks that touch"),
-        ({"blocks": [1, 2]}, "between.blocks: a list is not allowed"),
-        ({"normal": [0, 0, 0]}, r"between\.normal: \[0.0, 0.0, 0.0\] is not allowed"),
-        ({"normal": 3}, r"between\.normal: .* must be a list"),
-        ({"normal": [0, 0, 1], "within": 120}, r"between\.within: 120 is not allowed"),
-    ],
-)
-def test_a_rule_that_is_none_is_refused_in_one_line(between: Any, words: str) -> None:
-    with pytest.raises(ValueError, match=words) as caught:
-        chosen(between)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("name", ["=1+1", "+a", "-a", "@a", " =1"])
-def test_a_name_that_a_spreadsheet_takes_for_a_formula_is_refused(name: str) -> None:
-    """It would stand in CSV tables of interfaces and blocks."""
-    blocks = {"ground": {"low": [0, 0, 0], "high": [1, 1, 1], "fixed": True}}
-    blocks[name] = {"low": [0, 0, 1], "high": [1, 1, 2]}
-    with pytest.raises(ValueError, match=r"^blocks: '.*' is not allowed; names must not begin"):
-        structure_of({"blocks": blocks, "load": {"acceleration": [1, 0, 0]}})

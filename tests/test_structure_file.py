@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from command_runner import answers, assembly, by_model
+from conftest import ROOT
 from described import PUSH
 from structures import read_structure
 
@@ -14,6 +15,7 @@ from sidmacib import limit_load, static_peak
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.structure.files.sections import ShapeSection
 from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.yaml_text import read_yaml
 from workflow.schema import with_changes
 
 GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
@@ -23,11 +25,6 @@ ON_GROUND: dict[str, Any] = {
     "interfaces": {"friction": 0.2},
     "load": {"acceleration": [1, 0, 0]},
 }
-
-
-def alone(**more: Any) -> dict[str, Any]:
-    """The structure with no block but its own, with ``more`` of its keys."""
-    return {**ON_GROUND, "blocks": {"b": {**BLOCK, **more}}}
 
 
 def locked(**more: Any) -> dict[str, Any]:
@@ -149,56 +146,16 @@ def test_locks_are_pieces_and_condensed_ones_refused_by_the_static_model(path: P
     assert "has condensed locks, which have no stiffness" in rows["static"]["note"]
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"blocks": {}}, "blocks: an empty mapping is not allowed"),
-        ({"blocks": {"b": {"low": [0, 0, 0]}}}, "blocks.b: must have either vertices and faces"),
-        (alone(denisty=1), "blocks.b.denisty: unknown key; did you mean density?"),
-        (alone(low=[0, 0]), "blocks.b.low: .* a list of three"),
-        (alone(low=[0, 0, math.inf]), r"low\.3: inf is not .* be from -1e\+09 to 1e\+09"),
-        (alone(density=1e300), r"blocks\.b\.density: .* not allowed; it must be from 0.001 to"),
-        (alone(fixed=1), "blocks.b.fixed: 1 is not allowed"),
-        (alone(fixed=True), "blocks: at least one must be free to move"),
-        ({"interfaces": {"friction": -1}}, "interfaces.friction: -1 is not allowed"),
-        ({"special": [{"between": ["block"]}]}, r"special\.1\.between: .* must be a list of two"),
-        ({"locks": [{"between": "all", "count": 3}]}, r"locks\.1\.height: missing"),
-        (locked(count=0), r"locks\.1\.count: 0 is not allowed"),
-        (locked(run=[1, 0, 0]), r"locks\.1\.row: must be given, or else run, and not both"),
-        (locked(row=[0, 0, 1]), "ground: row: .* a direction not across the interface"),
-        (locked(height=2), "height of locks: 2.0 is not allowed; it must be less than"),
-        (locked(first="roof"), "first: 'roof' is not allowed; it must be one of the two blocks"),
-        (locked(widths=[0.1] * 3), "widths: .* add up to 0.6 m"),
-        (locked(widths=[0.3] * 2), "widths: .* one for each of the 3 locks"),
-        (locked(widths=[0.1, 0.2, 0.3], condensed={}), "widths: .* equal with condensed.rule"),
-        (locked(height=0.5, condensed={}), "rule: safe has no answer: h / b: 2.5 is not allowed"),
-        (locked(condensed={"option": "x"}), "condensed.option: 'x' is not"),
-        (locked(condensed={"rule": "best"}), "condensed.rule: 'best' .* law, safe"),
-        (locked(condensed={"working": 1, "hold_down": "plate"}), "hold_down: is for a rule; must"),
-        (locked(condensed={"rule": "law", "hold_down": "glue"}), "hold_down: 'glue' is not"),
-        (locked(condensed={"rule": "law", "working": 2}), "working: must not be given beside rule"),
-        (locked(condensed={"working": 4}), r"working: 4.* at most 3"),
-        (locked(condensed={"working": "most"}), "condensed.working: 'most' is not .* or all"),
-        (locked() | {"special": [{"between": "all"}]}, "it must be two blocks without locks"),
-        ({"load": {}}, "load: must have one key, acceleration, force, tilt or support"),
-        ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),
-        ({"load": {"tilt": {"axis": [0, 0, 0]}}}, r"load.tilt.axis: .* not all 0"),
-        ({"load": {"acceleration": [0, 0, 0]}}, r"load\.acceleration: .* not all 0"),
-        (
-            {"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}},
-            "load.force.block: 'x'",
-        ),
-        ({"nodes": "corners"}, "nodes: 'corners' is not allowed; it must be centres, vertices or"),
-        ({"mesh": 0}, "mesh: 0 is not allowed; it must be greater than 0"),
-        ({"loads": 1}, "loads: unknown key; did you mean load\\? allowed keys: blocks, load"),
-    ],
-)
-def test_a_fault_is_one_line_with_its_key(path: Path, change: dict[str, Any], words: str) -> None:
-    found = assembly(path, {**ON_GROUND, **change})
+REFUSED = read_yaml(ROOT / "tests/cases/refused_structures.yaml")
+
+
+@pytest.mark.parametrize("refused", REFUSED, ids=lambda each: each["says"][:60])
+def test_a_fault_is_one_line_with_its_key(path: Path, refused: dict[str, Any]) -> None:
+    found = assembly(path, ON_GROUND | refused["change"])
     assert found.exit_code == 2
     assert found.output.startswith("Error: ")
     assert found.output.count("\n") == 1
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(ValueError, match=refused["says"]):
         read_structure(path)
 
 

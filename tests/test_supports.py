@@ -212,26 +212,6 @@ def test_the_command_prints_reactions_of_a_support_that_moves(tmp_path: Path) ->
     assert float(first["reaction (N)"]) == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("support", "fault"),
-    [
-        ({"block": "right"}, "load.support: must have either displacement or rotation"),
-        (
-            {"block": "beam", "displacement": [0, 0, -1]},
-            "load.support.block: 'beam' is not allowed; it must be a block that is fixed",
-        ),
-        (
-            {"block": "right", "displacement": [0, 0, -1], "about": [0, 0, 0]},
-            "load.support.about: must not be given beside displacement",
-        ),
-    ],
-)
-def test_a_faulty_support_is_named(support: dict[str, Any], fault: str) -> None:
-    with pytest.raises(ValueError) as error:
-        structure_of({**BEAM, "load": {"support": support}})
-    assert str(error.value) == fault
-
-
 def drawn_away(span: float, overlap: float, **of_right: float) -> dict[str, Any]:
     """A beam that a support is drawn from, on which it lies by the ``overlap`` (m)."""
     special = {"special": [{"between": ["right", "beam"], **of_right}]} if of_right else {}
