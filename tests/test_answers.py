@@ -10,7 +10,9 @@ import pytest
 import yaml
 from campaigns.peaks import block, outcome
 from command_runner import answers, run
+from conftest import ROOT
 from described import FILES, study
+from structures import read_structure
 
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
@@ -29,6 +31,7 @@ from workflow.results import Record, record_without_result
 from workflow.results.structure_part import StructureRecord
 from workflow.solve import solved_or_not
 
+CASES = ROOT / "tests/cases"
 SOLVE = {"static": structure_static.solve, "limit": structure_limit.solve}
 
 
@@ -76,40 +79,12 @@ def test_a_peak_counts_where_three_meshes_agree_or_no_bond_fails_before() -> Non
     assert dry.counts == Counts(peak=True, why="no bond fails before the peak")
 
 
-GROUND = {"low": [-3, -3, -0.3], "high": [5, 5, 0], "fixed": True}
-DOWN = {"direction": [0, 0, -1], "newtons": 2287}
-TWISTED = {  # the load hardly changes from one cell to two, and is lower on 24
-    "force": {  # rocks about a corner; by 7 % lower
-        "blocks": {
-            "ground": GROUND,
-            "b0": {"low": [-0.493, -0.089, 0.0], "high": [0.311, 0.236, 0.325]},
-            "b1": {"low": [-0.303, -0.214, 0.325], "high": [0.231, 0.309, 1.180]},
-            "b2": {"low": [-0.346, -0.339, 1.180], "high": [0.213, 0.169, 1.752]},
-        },
-        "interfaces": {"friction": 0.7227},
-        "load": {
-            "force": {"block": "b2", "at": [0.039, 0.468, 1.528], "direction": [0.68, -0.74, 0.13]}
-        },
-    },
-    "tilt": {  # slides, turned by a weight on one side; by 5 % lower
-        "blocks": {
-            "ground": GROUND,
-            "b0": {"low": [-0.303, -0.36, 0.0], "high": [0.429, 0.224, 0.592]},
-            "b1": {"low": [-0.563, -0.43, 0.592], "high": [0.383, 0.495, 1.36]},
-        },
-        "interfaces": {"friction": 0.56},
-        "permanent": [{"force": {"block": "b1", "at": [0.167, 0.247, 1.36], **DOWN}}],
-        "load": {"tilt": {"axis": [0.139, -0.99, 0]}},
-    },
-}
-
-
-@pytest.mark.parametrize("name", TWISTED)
+@pytest.mark.parametrize("name", ["rocks_about_a_corner", "slides_turned"])
 def test_meshes_that_agree_by_chance_are_found_by_limit_analysis(name: str) -> None:
-    problem = structure_of(TWISTED[name])
+    problem = read_structure(CASES / f"{name}.yaml")
     found, fine = static_answer(problem), refined(problem.assembly, 24)
-    if name == "tilt":
-        expected = static_tilt(fine, problem.loads).angle
+    if problem.loads.axis is not None:
+        expected = static_tilt(fine, Tilt.of(problem.loads)).angle
     else:
         expected = static_peak(fine, problem.loads).peak.load
     assert found.load == pytest.approx(expected, rel=0.006)
@@ -130,21 +105,8 @@ def test_a_structure_that_falls_alone_is_said_to(tmp_path: Path) -> None:
 
 
 def test_a_peak_at_which_blocks_turn_further_on_each_mesh_does_not_count() -> None:
-    """Three meshes agree on 340.7 N, on which a block leans on its corner; on 8 cells it is 153 N.
-
-    As equilibria count up to a rotation of 2 degrees, which it reaches on smaller cells.
-    """
-    blocks = {
-        "ground": GROUND,
-        "b0": {"low": [-0.288, -0.269, 0.0], "high": [0.096, 0.092, 0.855]},
-        "b1": {"low": [-0.542, -0.35, 0.855], "high": [0.419, 0.497, 1.415]},
-        "b2": {"low": [-0.421, -0.288, 1.415], "high": [0.431, 0.48, 2.086]},
-    }
-    weak = {"friction": 0.5134, "cohesion": 4312, "tensile_strength": 2083}
-    aside = {"block": "b2", "at": [0.203, 0.194, 1.587], "direction": [0.864, 0.504, -0.123]}
-    given = {"blocks": blocks, "interfaces": weak, "load": {"force": aside}}
     with pytest.raises(CapacityError, match="alone, and blocks turn further on each"):
-        static_answer(structure_of(given))
+        static_answer(read_structure(CASES / "leans_on_a_corner.yaml"))
 
 
 # --- engines -------------------------------------------------------------------------------------
