@@ -93,16 +93,13 @@ def test_peaks_count_in_half_percents_and_weights_in_steps_of_two_hundredths() -
     assert found["largest_weight_difference"] == pytest.approx(0.02)
 
 
-def test_nothing_fits_the_weights_as_printed(table: pd.DataFrame) -> None:
-    assert table["misfit_printed"].min() > 8.0
-
-
 def test_the_joint_that_fits_is_within_the_aims_and_the_printed_is_not(table: pd.DataFrame) -> None:
     printed, fits = table[table["candidate"].str.startswith("own")].to_dict("records")
     assert fits["fits"] and not printed["fits"]
     assert fits["largest_peak_difference"] < 0.005
     assert fits["largest_weight_difference"] < 0.04
     assert printed["largest_peak_difference"] > 0.025
+    assert table["misfit_printed"].min() > 8.0  # nothing fits the weights as printed
 
 
 def test_the_printed_friction_as_an_angle_in_degrees_is_a_sixtieth_of_it() -> None:

@@ -56,15 +56,6 @@ def test_stiff_blocks_are_rigid_ones(layout: NodeLayout, body: UpperBody) -> Non
     assert stiff.peak.displacement == pytest.approx(rigid.peak.displacement, rel=1e-3)
 
 
-def test_a_joint_moves_further_and_fails_earlier_the_softer_its_block() -> None:
-    moduli = (1e12, 1e11, 1e10, 3e9)
-    found = [solved(elastic(3, young), 0.03, NodeLayout.LOBATTO) for young in moduli]
-    loads = [each.first_failure_load for each in found]
-    give = [each.path[1].displacement / each.path[1].load for each in found]
-    assert loads == sorted(loads, reverse=True)
-    assert give == sorted(give)
-
-
 # --- exact cases ---------------------------------------------------------------------------------
 
 

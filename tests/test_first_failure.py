@@ -15,7 +15,7 @@ from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.parameters import PARAMETERS, with_parameters
 from sidmacib.joint.pieces import assemble, reassemble
-from sidmacib.mechanics.assembly import Elastic, Failure
+from sidmacib.mechanics.assembly import Elastic
 from sidmacib.rule import JointFailure, first_failure, law
 
 SMOOTH = replace(DRY, friction=0.0)
@@ -114,13 +114,6 @@ def test_a_weak_cut_fails_before_the_locks_under_torque() -> None:
     joint = joint_of(9, H=0.012, dry=replace(SMOOTH, normal_stiffness=3e8))
     assert failure(joint, math.inf).utilisation.max() < 0.99
     assert failure(joint, 0.0).utilisation.max() == pytest.approx(1.0, abs=1e-4)
-
-
-@pytest.mark.parametrize("how", list(Failure))
-def test_the_first_failure_is_the_same_however_bonds_fail(how: Failure) -> None:
-    inner = replace(INNER, fracture_energy=20.0)
-    joint = joint_of(5, inner=inner)
-    assert failure(replace(joint, failure=how), 0.2).load == failure(joint, 0.2).load
 
 
 @pytest.mark.parametrize(
