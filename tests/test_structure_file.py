@@ -43,14 +43,6 @@ def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     assert rows["static"]["note"] == note
 
 
-def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> None:
-    bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": 0.6}
-    given = ON_GROUND | {"interfaces": bonded}
-    coarse, fine = (by_model(path, each)["static"] for each in (given, given | {"mesh": 0.05}))
-    change = abs(coarse["load (N)"] / fine["load (N)"] - 1.0)
-    assert change <= coarse["mesh error / load"] < 0.2
-
-
 @pytest.mark.parametrize("friction", [0.0, 0.6])
 def test_mesh_errors_of_twisted_bonds_cover_a_finer_mesh(path: Path, friction: float) -> None:
     bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": friction}

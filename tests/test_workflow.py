@@ -197,15 +197,7 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     found = workspace.snakemake()
     assert found.returncode == 0, found.stderr
     results = workspace.results
-    columns = pd.read_csv(results / "tables/capacity.csv").columns
-    assert columns[:7].tolist() == [
-        *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm")
-    ]
     weights = pd.read_csv(results / "tables/weights.csv")
-    assert weights.columns[:9].tolist() == [
-        *("model", "locks", "mesh_m", "eccentricity_m", "lock", "block"),
-        *("weight", "mean_shear_ratio", "max_shear_ratio"),
-    ]
     # The static model runs at half the mesh too.
     assert len(weights) == 3 * (len(CASES) + 2 * len(CASES))
     cases = pd.read_csv(results / "tables/cases.csv").set_index(["model", "name"])
