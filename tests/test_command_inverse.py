@@ -50,36 +50,6 @@ def test_the_strongest_joint_is_said_to_reach_its_share_of_the_load(load: str) -
     assert "e-" not in words.split("%")[0]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ((), "Give the load: -V, -M, or -V with -e."),
-        (("-V", "-3"), "-V: '-3' is not allowed; it must be at least 0 (N)"),
-        (("-V", "nan"), "-V: 'nan' is not a number"),
-        (("-V", "3", "-M", "1", "-e", "0.3"), "not both"),
-        (("-V", "3", "-n", "5"), "-n: joint finds the number of locks; remove -n or use --vary"),
-        (("-V", "3", "--vary", "locks=3,5", "-n", "5"), "remove -n or --vary locks"),
-        (("-V", "3", "--all"), "--all: needs --vary"),
-        (("-V", "3", "--price", "area=2"), "--price: needs --vary"),
-        (("-V", "3", "--vary", "q=3"), "--vary: 'q=3' is not allowed"),
-        (("-V", "3", "--vary", "a=1", "--vary", "a=2"), "--vary: 'a=2' is there twice"),
-        (("-V", "3", "--vary", "a=0.1:0.2"), "--vary a: must have a step"),
-        (("-V", "3", "--vary", "a=0.2:0.1:0.01"), "--vary a: has 0 values"),
-        (("-V", "3", "--vary", "a=0.1:0.2:0"), "--vary a: '0' is not allowed; it must be greater"),
-        (("-V", "3", "--vary", "a=0.1:2:1e-9"), "--vary a: has 1900000001 values"),
-        (("-V", "3", "--vary", "a=0.1:0.2:0.1:0.1"), "it must be from:to:step"),
-        (("-V", "3", "--vary", "locks=3.5"), "--vary locks: '3.5'"),
-        (("-V", "3", "--vary", "a="), "--vary a: '' is not a number"),
-        (("-V", "3", "--vary", "a=1", "--price", "gold=2"), "--price: 'gold=2' is not allowed"),
-        (("-V", "3", "--vary", "a=1", "--price", "area=0"), "must be more than 0"),
-    ],
-)
-def test_what_makes_no_question_is_told_in_a_line(arguments: tuple[str, ...], words: str) -> None:
-    found = run("joint", *arguments)
-    assert found.exit_code in (1, 2)
-    assert words in found.output.splitlines()[-1]
-
-
 def test_values_and_prices_are_read() -> None:
     found = values_of(["a=0.04:0.06:0.01", "locks=3:5"])
     assert found == {"a": (0.04, 0.05, 0.06), "locks": (3, 4, 5)}
