@@ -1,6 +1,5 @@
 """Blocks as solids: closed, of the model's volume, apart by the clearance, and their files."""
 
-import csv
 import io
 import math
 import re
@@ -10,6 +9,7 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
 from command_runner import run
@@ -268,13 +268,12 @@ def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:
         *("blocks.3mf", "blocks.obj", "blocks.csv", "stl/1-lower.stl", "stl/2-upper.stl"),
         *("drawings/A.svg", "drawings/B.svg"),
     }
-    with (tmp_path / "blocks.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [row["block"] for row in rows] == ["lower", "upper"]
-    assert float(rows[0]["x (mm)"]) == 150.0 or float(rows[0]["y (mm)"]) == 150.0
+    rows = pd.read_csv(tmp_path / "blocks.csv")
+    assert rows["block"].tolist() == ["lower", "upper"]
+    assert 150.0 in rows.loc[0, ["x (mm)", "y (mm)"]].tolist()
     joint = Joint(3, a=0.08)
     lost = 2 * joint.a * joint.h * 5e-4 / 2
-    assert float(rows[0]["volume (m3)"]) == pytest.approx(model_volumes(joint)[0] - lost)
+    assert rows.loc[0, "volume (m3)"] == pytest.approx(model_volumes(joint)[0] - lost)
 
 
 def test_a_file_of_a_joint_is_taken_as_its_flags_are(tmp_path: Path) -> None:
