@@ -11,7 +11,8 @@ import pytest
 import yaml
 from campaigns import faults, fuzz
 from campaigns.faults import descendants, processes_in
-from conftest import INSTALLED, ROOT
+from conftest import INSTALLED
+from processes import started
 from test_execute import becomes_true
 
 from workflow.command import STOPPED, lock
@@ -46,14 +47,8 @@ def make_study(folder: Path) -> subprocess.Popen[str]:
     """`make study` of a long study, started in a separate session."""
     config = folder / "study.yaml"
     config.write_text(yaml.safe_dump(LONG))
-    return subprocess.Popen(
-        [*INSTALLED, "study", f"CONFIG={config}", f"RESULTS={folder / 'results'}"],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-    )
+    words = ("study", f"CONFIG={config}", f"RESULTS={folder / 'results'}")
+    return started(*INSTALLED, *words, start_new_session=True)
 
 
 @pytest.mark.study

@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 import yaml
 from campaigns.counts import tables_of
+from processes import started
 from small import BOTH, COARSE
 
-ROOT = Path(__file__).parents[1]
 CONFIGURATION = Path("/etc/slurm/slurm.conf")  # jobs look for it nowhere else
 STUDY = COARSE | BOTH
 # The whole of a cluster: a controller and a node, both here.
@@ -124,15 +124,9 @@ def study(folder: Path, name: str, *options: str, **environment: str) -> subproc
     """A running study, in a separate folder."""
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump(STUDY))
-    command = [sys.executable, "-m", "workflow", "study", str(path)]
-    return subprocess.Popen(
-        [*command, f"--results={folder / name}", *options],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
-    )
+    command = (sys.executable, "-m", "workflow", "study", path, f"--results={folder / name}")
+    env = {**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment}
+    return started(*command, *options, env=env)
 
 
 def test_a_cluster_makes_the_same_tables_as_a_node_fails(cluster: Cluster, tmp_path: Path) -> None:

@@ -25,7 +25,8 @@ from pathlib import Path
 
 import psutil
 import yaml
-from campaigns.counts import ROOT, asked, tables_of, write_counts
+from campaigns.counts import asked, tables_of, write_counts
+from processes import started
 from small import COARSE
 
 from sidmacib.engines.scripts.records import RESULT
@@ -87,16 +88,9 @@ class Campaign:
         study = self.folder / "study.yaml"
         config = STUDY | ({"dem": {"engines": ["yade"], "time_limit": 3}} if environment else {})
         study.write_text(yaml.safe_dump(config))
-        return subprocess.Popen(
-            [*prefix, *RUN, str(study), f"--results={self.results}"],
-            cwd=ROOT,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
-            start_new_session=True,
-            preexec_fn=full,  # noqa: PLW1509 - no threads here
-        )
+        words = (*prefix, *RUN, str(study), f"--results={self.results}")
+        env = {**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment}
+        return started(*words, env=env, start_new_session=True, preexec_fn=full)  # no threads here
 
     def finished(self, process: subprocess.Popen[str]) -> str:
         """What a run printed, once it has ended."""
