@@ -19,7 +19,6 @@ from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import force_at, free_weight
 from sidmacib.structure.structure import structure
 from studies.designed_vault.all_layouts import row
-from studies.structures.shapes import arch as voussoirs
 
 FRICTION = 0.3
 KIND = LockKind((0.05,), 0.02, INNER, DRY)
@@ -193,22 +192,3 @@ def test_of_the_locks_that_block_only_those_needed_for_it_are_named() -> None:
     blocking = {site for site, _ in found}
     choice = [None if k in blocking else each for k, each in enumerate(locks)]
     assert conflict(assembly, here, choice) is None
-
-
-def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has_others() -> None:
-    arch = structure(voussoirs(5, 0.2), dry(0.7))
-    radial: dict[str, Vector] = {
-        face.name: (face.middle[0], 0.0, face.middle[2]) for face in arch.faces
-    }
-    order = order_of(*chosen(arch, radial))
-    assert order.stuck == ()
-    crown = arch.pieces[order.steps[-1].block].centre
-    assert np.dot(order.steps[-1].along, crown) < 0.0
-    # In turn along the depth and radial: whichever comes last is blocked, and every joint is why.
-    ordered = sorted(arch.faces, key=lambda face: face.middle[0])
-    for number, face in enumerate(ordered):
-        if number % 2:
-            radial[face.name] = Y
-    mixed = chosen(arch, radial)
-    assert len(order_of(*mixed).stuck) == 5
-    assert len(conflict(*mixed)) == len(arch.faces) == 6

@@ -3,11 +3,10 @@
 import math
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from conftest import DISTINCT, block_on_ground, load_on_block, run_guided
+from conftest import DISTINCT, run_guided
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
@@ -15,16 +14,13 @@ from joints import loaded
 from sidmacib import Side, UpperBody
 from sidmacib.engines import Numerics
 from sidmacib.engines.results import read_outcome
-from sidmacib.errors import CapacityError, NoEquilibriumError
+from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import compliance, equilibrium_matrix, free_rows, row_units
-from sidmacib.mechanics.newton import friction_rounds
-from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
-from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure
 from sidmacib.mechanics.static import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem
@@ -125,34 +121,6 @@ def test_equilibria_of_rough_locks_obey_the_law(locks: int, friction: float, she
     for point in found.path:
         require_equilibrium(model, loads, point)
     assert found.path[0].load == 0.0
-
-
-@pytest.mark.parametrize(
-    ("force", "rounds"),
-    [((0.0, 1.0, 0.0), 1 + 2 * friction_rounds.IN_A_ROW), ((0.0, 0.0, 1.0), 1)],
-    ids=["slides", "floats away"],
-)
-def test_where_pieces_move_off_the_search_ends_soon(
-    joint: Joint,
-    force: tuple[float, float, float],
-    rounds: int,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    model = block_on_ground(joint, Kind.DRY, 0.02)
-    loads, counted = load_on_block(model, force, 0.0), []
-    plain = EquilibriumSearch.with_given_limits
-
-    def counting(*given: Any) -> bool:
-        counted.append(given)
-        return plain(*given)
-
-    monkeypatch.setattr(EquilibriumSearch, "with_given_limits", counting)
-    solver = RigidSolver(model, loads)
-    start = solver.start()
-    assert not counted  # Newton's method finds this
-    with pytest.raises(NoEquilibriumError, match="no equilibrium at 100 N"):
-        solver.solve(100.0, start.unknowns, start.state, thorough=True)
-    assert 0 < len(counted) <= rounds
 
 
 BY_WEIGHT = Joint(
