@@ -70,17 +70,6 @@ def test_nodes_of_a_face_have_its_area_middle_and_corners(layout: NodeLayout, me
             assert (apart < 1e-12) == (layout is not NodeLayout.CENTRES)
 
 
-@pytest.mark.parametrize("locks", [3, 5])
-@pytest.mark.parametrize("eccentricity", [0.0, 0.35, math.inf])
-def test_lobatto_nodes_find_first_failure_on_coarse_meshes(locks: int, eccentricity: float) -> None:
-    joint = Joint(locks)
-    coarse, fine = (
-        solved(joint, mesh, NodeLayout.LOBATTO, eccentricity).first_failure_load
-        for mesh in (0.02, 0.0025)
-    )
-    assert coarse == pytest.approx(fine, rel=5e-3)
-
-
 @pytest.mark.parametrize(
     ("layout", "order"), [(NodeLayout.CENTRES, 1.0), (NodeLayout.VERTICES, 2.0)]
 )

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
 
-import sidmacib.contact_points.programme as programme_module
 from sidmacib import InfeasibleError, SolverError
 from sidmacib.contact_points import (
     OPTIONS,
@@ -23,7 +22,7 @@ from sidmacib.contact_points import (
     half_rule,
 )
 from sidmacib.contact_points.envelope import envelope, polygon
-from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, pair_loads, programme
+from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, pair_loads
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.mechanics.assembly import GRAVITY
 
@@ -237,22 +236,6 @@ PURE_SHEAR, TORSION = Direction(0.0), Direction(math.inf)
 def test_pure_shear_is_published(locks: int, published: float, option: str, friction: bool) -> None:
     model = Sidmacib(Joint(locks), OPTIONS[option], friction=friction)
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(published, rel=1e-9)
-
-
-def test_a_programme_is_made_once_for_a_joint(
-    joint: Joint, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    model = Sidmacib(joint, ContactOption.pair(0.123), overload=777.0)
-    directions = [Direction(e) for e in (0.0, 0.3, -2.0)]
-    made = []
-    monkeypatch.setattr(
-        programme_module, "programme", lambda asked: made.append(asked) or programme(asked)
-    )
-    singly = [capacity(model, direction) for direction in directions]
-    assert made == [model]
-    for one, other in zip(singly, capacities(model, directions), strict=True):
-        assert one.load == other.load
-        assert (one.forces == other.forces).all()
 
 
 def test_forces_at_the_peak_balance_the_upper_block_and_keep_their_bounds(joint: Joint) -> None:

@@ -14,7 +14,6 @@ from sidmacib import CapacityError, Effect, Sensitivity, pairs_of, sensitivity, 
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.parameters import PARAMETERS, with_parameters
-from sidmacib.joint.pieces import assemble, reassemble
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.rule import JointFailure, first_failure, law
 
@@ -266,17 +265,3 @@ def test_at_a_value_of_0_the_derivative_is_that_of_more(name: str) -> None:
 def test_what_has_no_first_failure_of_a_bond_is_refused(joint: Joint, words: str) -> None:
     with pytest.raises(CapacityError, match=words):
         sensitivity(joint, Loading(Direction(0.3)), joint.least_side)
-
-
-def test_a_joint_with_the_nodes_of_another_has_each_at_the_same_part_of_its_face() -> None:
-    joint = Joint(3, a=0.06, b=0.05)
-    other = replace(joint, a=0.12, h=0.016)
-    again = reassemble(other, assemble(joint, 0.02))
-    fresh = assemble(other, 0.02)
-    assert [face.area for face in again.faces] == [face.area for face in fresh.faces]
-    assert len(again.nodes.area) == len(assemble(joint, 0.02).nodes.area)
-    for number, face in enumerate(again.faces):
-        here = again.nodes.face == number
-        assert again.nodes.area[here].sum() == pytest.approx(face.area)
-        assert again.nodes.position[here].min(axis=0) == pytest.approx(face.low)
-        assert again.nodes.position[here].max(axis=0) == pytest.approx(face.high)
