@@ -157,15 +157,6 @@ def test_a_lock_in_a_pocket_of_a_larger_block_has_the_gap_all_around() -> None:
     assert base.manifold.min_gap(block.manifold, 1.0) == pytest.approx(1e-3, rel=1e-6)
 
 
-def test_condensed_locks_are_the_same_solids() -> None:
-    description = read_yaml(ROOT / "studies/structures/keyed.yaml")
-    condensed = {**description["locks"][0], "condensed": {}}
-    plain = made(blocks_and_rows(description))
-    others = made(blocks_and_rows({**description, "locks": [condensed]}))
-    for one, other in zip(plain, others, strict=True):
-        assert np.array_equal(one.places, other.places)
-
-
 @pytest.mark.parametrize(
     ("joint", "clearance", "words"),
     [

@@ -79,16 +79,3 @@ def test_a_study_that_is_stopped_leaves_nothing_alive_and_no_lock(
     output, _ = run.communicate(timeout=10.0)
     assert words in output
     lock(tmp_path / "results").close()
-
-
-@pytest.mark.study
-def test_a_study_that_is_interrupted_at_once_ends(tmp_path: Path) -> None:
-    run = make_study(tmp_path)
-    time.sleep(0.25)
-    for _ in range(2):
-        with suppress(ProcessLookupError):
-            os.killpg(run.pid, signal.SIGINT)
-        time.sleep(0.05)
-    run.communicate(timeout=30.0)
-    assert run.returncode != 0
-    assert becomes_true(lambda: not processes_in(tmp_path), 15.0), processes_in(tmp_path)

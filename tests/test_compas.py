@@ -82,14 +82,6 @@ def test_blocks_are_in_order_of_nodes_and_supports_those_of_the_file_or_given(pa
     assert [block.fixed for block in read(path, assembly(), fixed=[3])] == [False, True]
 
 
-def test_a_face_that_is_not_plane_is_cut_into_triangles(path: Path) -> None:
-    given = assembly()
-    given["data"]["graph"]["data"]["node"]["3"]["block"]["data"]["vertex"]["13"]["z"] += 0.1
-    block = read(path, given)[1]
-    assert sorted(map(len, block.faces)) == [3] * 2 + [4] * 5
-    assert block.volume > CUBE.volume
-
-
 ANALYSIS = {"dtype": "compas_dem.models/Analysis", "data": {"model": model(), "problems": []}}
 
 

@@ -125,16 +125,6 @@ def test_a_bond_on_its_cone_is_used_up(friction: float, pressure: float, angle: 
     assert (utilisation(contact_law, state, torn) >= 1.0 - 1e-12).all()
 
 
-def test_dry_nodes_that_slide_are_on_the_edge_of_their_cone_which_smooth_ones_lack() -> None:
-    contact_law = ContactLaw.of(block_on_ground(Joint(3), Kind.DRY, 0.02))
-    count, rows = len(contact_law.friction), contact_law.rows()
-    moved = np.tile([1e-6, 3e-6, -4e-6], (count, 1))
-    force, _ = forces_and_tangents(rows, np.zeros((count, 2)), np.zeros(count), moved)
-    cone = contact_law.cone()
-    assert np.hypot(*force.T[1:]) == pytest.approx(cone.shear(force[:, 0]))
-    assert not contact_law.cone(friction=False).shear(force[:, 0]).any()
-
-
 def test_scripts_of_engines_know_the_same_strengths() -> None:
     contact_law, state = bonds(Joint(3))
     count = len(contact_law.friction)

@@ -304,8 +304,3 @@ def test_three_points_give_a_curve_of_two_straight_parts(joint: Joint) -> None:
         point = capacity(model, direction)
         assert point.shear == pytest.approx(share * strength, abs=1e-6)
         assert point.torque == pytest.approx(torque, rel=1e-7)
-
-
-def test_the_ready_options_are_the_papers_four_and_more() -> None:
-    assert {name: READY_OPTIONS[name] for name in OPTIONS} == OPTIONS
-    assert [*READY_OPTIONS] == [*OPTIONS, "bilinear"]

@@ -25,7 +25,6 @@ from sidmacib.mechanics.equilibrium import (
 from sidmacib.mechanics.newton import solve_linear
 from sidmacib.mechanics.newton.faces import tangent_stiffness
 from sidmacib.mechanics.rigid import RigidSolver, ordering
-from sidmacib.structure.blocks import box
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 
@@ -65,12 +64,6 @@ def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
     straight = np.sqrt(stiffness * side**2 / mass)
     expected = sorted([around, around, twist, straight, straight, straight])
     assert natural_frequencies(cube) == pytest.approx(expected, rel=1e-3)  # finite cells
-
-
-def test_a_piece_has_the_inertia_of_the_same_block() -> None:
-    low, high = (0.0, 1.0, -2.0), (0.3, 1.5, -1.2)
-    block = box("block", low, high, 7.0)
-    assert sorted(Cuboid("block", low, high, block.mass).inertia) == pytest.approx(block.inertia)
 
 
 def test_frequencies_do_not_depend_on_the_length_that_measures_rotations(joint: Joint) -> None:

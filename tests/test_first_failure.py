@@ -15,7 +15,7 @@ from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.parameters import PARAMETERS, with_parameters
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.rule import JointFailure, first_failure, law
+from sidmacib.rule import JointFailure, first_failure
 
 SMOOTH = replace(DRY, friction=0.0)
 DIRECTIONS = (0.0, 0.1, 0.5, 2.0, math.inf)
@@ -198,16 +198,6 @@ def test_where_another_node_fails_first_within_1_per_cent_there_is_no_derivative
     assert height.more == pytest.approx(-0.759, abs=2e-3)
     note = "slopes for +1 % and -1 % differ; no derivative"
     assert (height.derivative, height.note) == (None, note)
-
-
-def test_the_derivative_is_of_v() -> None:
-    joint, step = Joint(5), 1e-4
-    found = sensitivity(joint, Loading(Direction(0.3)), 0.24975 * joint.least_side)
-    wider, narrower = (replace(joint, b=joint.b * (1.0 + change)) for change in (step, -step))
-    by_law = law(wider, Direction(0.3)).shear - law(narrower, Direction(0.3)).shear
-    by_law /= 2.0 * step * joint.b
-    assert (found.unit, found.amount) == ("N", found.shear)
-    assert effect_of(found, "b").derivative == pytest.approx(by_law, rel=2e-3)
 
 
 def test_in_torsion_effects_are_of_the_torque() -> None:

@@ -12,21 +12,12 @@ from joints import loaded
 from sidmacib import OPTIONS, Sidmacib, capacity, limit_load
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Push
-from sidmacib.joint.pieces import PLATE, assemble
-from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static import Mode, static_peak
 
 WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight()]
 
 
 # --- pieces and loads ----------------------------------------------------------------------------
-@pytest.mark.parametrize("hold_down", WITHOUT_PLATE)
-@pytest.mark.parametrize("body", UpperBody)
-def test_a_plate_is_only_where_it_holds_a_joint_down(hold_down: HoldDown, body: UpperBody) -> None:
-    for hold, there in ((hold_down, False), (HoldDown(), True)):
-        model = assemble(Joint(3, upper_body=body, hold_down=hold), 0.03, NodeLayout.CENTRES)
-        assert any(piece.name == PLATE for piece in model.pieces) is there
-        assert any(face.kind is Kind.PLATE for face in model.faces) is there
 
 
 @settings(max_examples=10)

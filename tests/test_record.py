@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import a_case
 
-from sidmacib import Assembly, Direction, Joint, Loading, NodeLayout, assemble, lock_weights
+from sidmacib import Assembly, Direction, Joint, Loading, lock_weights
 from sidmacib.engines.results import (
     HISTORY,
     NODE_COLUMNS,
@@ -112,12 +112,6 @@ def test_a_node_without_a_number_is_named(tmp_path: Path, column: int, value: st
     (tmp_path / NODES).write_text("\n".join(lines))
     with pytest.raises(ResultError, match=f"nodes.csv, line 5: {NODE_COLUMNS[column]} is"):
         read_outcome(tmp_path, assembly)
-
-
-def test_nodes_of_another_joint_are_refused(tmp_path: Path) -> None:
-    write_engine_files(tmp_path, case_of(joint=replace(JOINT, a=0.07)))
-    with pytest.raises(ResultError, match=r"nodes.csv"):
-        read_outcome(tmp_path, assemble(JOINT, 0.03, NodeLayout.CENTRES))
 
 
 @pytest.mark.parametrize(

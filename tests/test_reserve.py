@@ -11,10 +11,9 @@ from conftest import ROOT
 from described import CUBE, study
 from structures import GROUND, dry, example
 
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.analysis.reserve import geometrical_factor, least_push, pushes
 from sidmacib.structure.blocks import box, prism
-from sidmacib.structure.loads import acceleration, free_weight, permanent_only
+from sidmacib.structure.loads import permanent_only
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 from workflow.schema import with_changes
@@ -53,14 +52,6 @@ def test_the_least_acceleration_is_found_between_the_directions_that_are_tried()
     assert push.tilt == pytest.approx(math.degrees(math.atan(0.25)), rel=1e-5)
     edge = math.degrees(math.atan2(push.direction[1], push.direction[0])) % 120.0
     assert edge == pytest.approx(80.0, abs=0.1)
-
-
-def test_the_acceleration_is_that_of_a_load_case() -> None:
-    model = structure(arch(20, 0.2, depth=1.0), dry(0.7))
-    loads = permanent_only(model)
-    push = least_push(model, loads, pushes(model, loads))
-    load = limit_load(model, acceleration(model, (1, 0, 0)), friction=True).load
-    assert push.acceleration == pytest.approx(load / free_weight(model), rel=1e-6)
 
 
 def said(path: Path, given: dict[str, Any], *more: str) -> tuple[int, str, list[dict[str, Any]]]:

@@ -258,12 +258,6 @@ def test_more_pairs_never_carry_less_up_to_a_limit(count: int, lag: float, direc
     assert here.working <= more.working * (1 + 1e-12) <= here.most * (1 + 1e-9)
 
 
-def test_forces_fall_by_e_over_the_transfer_length() -> None:
-    row = Pairs(1, 0.3)
-    assert math.exp(-1.0 / row.transfer_length) == pytest.approx(math.exp(-row.decay))
-    assert 2.0 * math.cosh(row.decay) == pytest.approx(2.3)
-
-
 def test_one_rigid_piece_has_as_many_working_locks_as_pairs() -> None:
     assert Pairs(7, 0.0).working == pytest.approx(7.0)
     assert math.isinf(Pairs(7, 0.0).most)

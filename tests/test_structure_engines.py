@@ -1,6 +1,5 @@
 """What distinct elements must find for structures of blocks. Real runs, small ones."""
 
-import json
 import math
 import re
 from dataclasses import replace
@@ -17,7 +16,6 @@ from test_supports import HalfArch, semicircle, two_spans
 from sidmacib import capacity_curve, static_peak
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.curve import engine_curve, engine_support_path
-from sidmacib.engines.render import DATA_FILE, write_script
 from sidmacib.engines.results import read_outcome
 from sidmacib.engines.run import EngineNoAnswerError, engine_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout, Vector
@@ -273,14 +271,6 @@ def test_a_capacity_curve_of_yade_is_one_of_an_acceleration(tmp_path: Path) -> N
 
 
 # --- what is written for the engines ------------------------------------------------------------
-def test_faces_in_any_direction_have_their_normal_and_tangents(tmp_path: Path) -> None:
-    problem = pushed(leaning(MORTAR, 25.0))
-    write_script(ENGINES["yade"], *problem, Numerics(), "stack", tmp_path)
-    data = json.loads((tmp_path / DATA_FILE).read_text())
-    for face, written in zip(problem.assembly.faces, data["faces"], strict=True):
-        axes = np.array([written["normal"], *written["tangents"]])
-        assert axes == pytest.approx(face.axes)
-    assert all("low_m" not in piece for piece in data["pieces"])
 
 
 def test_what_an_engine_cannot_do_is_refused_by_name(engine: str, tmp_path: Path) -> None:
