@@ -14,9 +14,6 @@ from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.static import Mode, static_peak
 
-WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight()]
-
-
 # --- pieces and loads ----------------------------------------------------------------------------
 
 
