@@ -1,12 +1,14 @@
-"""Short parts of `make faults` and `make fuzz`, and runs that are asked to end."""
+"""Short parts of `make faults`, `make fuzz` and `make bench`, and runs that are asked to end."""
 
 import os
 import signal
 import subprocess
+import sys
 import time
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from campaigns import faults, fuzz
@@ -15,6 +17,10 @@ from conftest import INSTALLED
 from processes import started
 from test_execute import becomes_true
 
+from benchmarks import used
+from benchmarks.peers import furthest_by_highs, standard_form
+from sidmacib import OPTIONS, Joint
+from sidmacib.contact_points.programme import Sidmacib, SupportFunction
 from workflow.command import STOPPED, lock
 
 
@@ -79,3 +85,23 @@ def test_a_study_that_is_stopped_leaves_nothing_alive_and_no_lock(
     output, _ = run.communicate(timeout=10.0)
     assert words in output
     lock(tmp_path / "results").close()
+
+
+# --- what `make bench` measures ------------------------------------------------------------------
+@pytest.mark.parametrize("way", [(1.0, 0.0), (0.3, 0.7), (-0.2, -0.9)])
+def test_highs_of_scipy_solves_the_same_programme(way: tuple[float, float]) -> None:
+    model, along = Sidmacib(Joint(5), OPTIONS["option4"]), np.array(way)
+    ours = SupportFunction(model)(along)
+    theirs = furthest_by_highs(standard_form(model), along)
+    assert along @ theirs == pytest.approx(along @ ours, rel=1e-9)
+
+
+def test_memory_is_that_of_the_command_alone(tmp_path: Path) -> None:
+    held = np.ones(30_000_000)  # 240 MB in the process that measures
+    code = "held = b'1' * int({}e6)"
+    little, much = (
+        used([sys.executable, "-c", code.format(megabytes)], tmp_path).memory
+        for megabytes in (0.0, 100.0)
+    )
+    assert little < held.nbytes / 1e6 / 2.0
+    assert much - little == pytest.approx(100.0 * 1e6 / 2**20, rel=0.1)
