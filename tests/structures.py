@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from small import COARSE
 
 from sidmacib import Assembly, FaceMaterial
+from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.models import MODELS
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block, box, prism
@@ -22,13 +23,18 @@ from workflow.configuration import read_study
 from workflow.jobs import case_jobs
 from workflow.results import read_records
 from workflow.results.structure_part import StructureRecord
+from workflow.schema import with_changes
+
+
+def study(name: str, **interfaces: float) -> dict[str, Any]:
+    """The description in a file of the studies, with other ``interfaces``."""
+    description = read_yaml(Path(__file__).parents[1] / f"studies/{name}.yaml")
+    return with_changes(description, {"interfaces": interfaces} if interfaces else {})
 
 
 def example(name: str) -> dict[str, Any]:
     """The description of a structure of the published studies."""
-    folder = Path(__file__).parents[1] / "studies/structures"
-    found: dict[str, Any] = read_yaml(folder / f"{name}.yaml")
-    return found
+    return study(f"structures/{name}")
 
 
 def read_structure(path: Path) -> Problem:
@@ -97,3 +103,31 @@ def moved(block: Block, turn: Rotation, shift: Sequence[float]) -> Block:
     """The block turned about the origin, then shifted (m)."""
     places = turn.apply(block.places) + np.array(shift)
     return replace(block, vertices=tuple(tuple(map(float, place)) for place in places))
+
+
+# --- as a file describes them, to ask several doors about -----------------------------------------
+CUBE: dict[str, Any] = {  # of 1 m
+    "blocks": {
+        "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
+        "cube": {"low": [0, 0, 0], "high": [1, 1, 1], "density": 2000},
+    },
+    "interfaces": {"friction": 0.5},
+}
+WEIGHT = 2000.0 * GRAVITY  # N, of the cube
+PUSH: dict[str, Any] = {"acceleration": [1, 0, 0]}
+DOWN: dict[str, Any] = {"force": {"block": "cube", "at": [0.5, 0.5, 1], "direction": [0, 0, -1]}}
+FILES = {
+    "bonded block": {
+        "blocks": {
+            "base": {"low": [-1, -1, -0.3], "high": [2, 2, 0], "fixed": True},
+            "top": {"low": [0, 0, 0], "high": [0.5, 0.5, 0.4]},
+        },
+        "interfaces": {"friction": 0.5, "cohesion": 1.5e4, "tensile_strength": 1.5e4},
+        "load": PUSH,
+    },
+    "bonded arch": study("arch/arch", cohesion=5.0e4, tensile_strength=2.0e4),
+    "mortar wall": study("wall/wall", cohesion=2.0e4, tensile_strength=1.0e4),
+    "crushed arch": study("arch/arch", compressive_strength=1.5e5, friction=0.7),
+    "trilith": example("trilith"),
+    "dry wall": study("wall/wall"),
+}

@@ -11,8 +11,7 @@ import yaml
 from campaigns.peaks import block, outcome
 from command_runner import answers, run
 from conftest import ROOT
-from described import FILES, study
-from structures import read_structure
+from structures import FILES, read_structure, study
 
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary

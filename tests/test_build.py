@@ -14,8 +14,8 @@ import pytest
 import trimesh
 from command_runner import run
 from conftest import ROOT
-from described import study
 from scipy.spatial.transform import Rotation
+from structures import study
 
 from sidmacib.build import (
     NO_GAPS,

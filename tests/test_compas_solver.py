@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from described import FILES
+from structures import FILES
 
 from sidmacib.compas import multilock_solve, show_forces
 from sidmacib.errors import CapacityError

@@ -11,11 +11,10 @@ import pytest
 import shapely
 import yaml
 from command_runner import run
-from described import study
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-from structures import example
+from structures import example, study
 
 from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer

@@ -1,4 +1,4 @@
-"""Locks in the interfaces of structures, cut out of the blocks and condensed; laws of interfaces."""
+"""Locks in the interfaces of structures, cut out and condensed, and laws of interfaces."""
 
 import math
 from dataclasses import replace

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 from conftest import ROOT
-from described import CUBE, PUSH
 from joints import loaded
+from structures import CUBE, PUSH
 
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.joint import Direction, Joint

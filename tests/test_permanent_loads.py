@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from described import CUBE, DOWN, PUSH, WEIGHT
-from structures import dry, example
+from structures import CUBE, DOWN, PUSH, WEIGHT, dry, example
 
 from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 from command_runner import assembly, run
 from conftest import ROOT
-from described import CUBE, study
-from structures import GROUND, dry, example
+from structures import CUBE, GROUND, dry, example, study
 
 from sidmacib.structure.analysis.reserve import geometrical_factor, least_push, pushes
 from sidmacib.structure.blocks import box, prism

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 from command_runner import answers, assembly, by_model
 from conftest import ROOT
-from described import PUSH
-from structures import read_structure
+from structures import PUSH, read_structure
 
 from sidmacib import limit_load, static_peak
 from sidmacib.mechanics.assembly import GRAVITY

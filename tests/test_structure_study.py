@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 import yaml
 from conftest import DISTINCT, ROOT
-from described import CUBE, PUSH
-from structures import example, solved
+from structures import CUBE, PUSH, example, solved
 
 from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary

@@ -10,8 +10,8 @@ import pytest
 from chromium import Opened, needs_browser, until
 from command_runner import assembly
 from conftest import ROOT
-from described import PUSH, study
 from offline import leaving_in_html
+from structures import PUSH, study
 from test_supports import BEAM
 
 from sidmacib.models import structure_limit

@@ -13,8 +13,7 @@ import pytest
 from click.testing import CliRunner
 from command_runner import assembly, run
 from conftest import ROOT, run_study
-from described import CUBE, DOWN, PUSH, WEIGHT, study
-from structures import condensed_keys, example, solved
+from structures import CUBE, DOWN, PUSH, WEIGHT, condensed_keys, example, solved, study
 
 from analysis.report import finding
 from analysis.report.structures import structures_verdict
