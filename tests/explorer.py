@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from http.client import HTTPConnection
 from typing import Any
 
-from chromium import PATIENCE, Opened
-from offline import WATCH
+from chromium import PATIENCE, WATCH, Opened
 from playwright.sync_api import Browser, Page, expect
 
 from analysis.explore.app import LOOPBACK, serve

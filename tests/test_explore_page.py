@@ -5,9 +5,8 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import Opened, needs_browser
+from chromium import Opened, leaving_in_browser, leaving_in_html, needs_browser
 from explorer import Served, choose, explorer, opened_at, settle
-from offline import leaving_in_browser, leaving_in_html
 from playwright.sync_api import Browser, Page, expect
 
 from analysis.explore import app

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import Opened, needs_browser, until
-from offline import WATCH, leaving_in_browser, leaving_in_html
+from chromium import WATCH, Opened, leaving_in_browser, leaving_in_html, needs_browser, until
 from structures import ONLY_STRUCTURES, example
 from test_report import MOST_BYTES
 

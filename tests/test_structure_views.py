@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chromium import Opened, needs_browser, until
+from chromium import Opened, leaving_in_html, needs_browser, until
 from command_runner import assembly
 from conftest import ROOT
-from offline import leaving_in_html
 from structures import PUSH, study
 from test_supports import BEAM
 
