@@ -11,7 +11,6 @@ from playwright.sync_api import Browser, Page, expect
 
 from analysis.explore.examples import STUDIES, checked_choice, defaults
 from analysis.explore.state import from_query
-from analysis.explore.structures import answered
 from sidmacib.yaml_text import parsed
 
 # What is on the page each time that it is painted.
@@ -111,10 +110,6 @@ def test_variants_are_compared_undone_and_shared(opened: Opened, browser: Browse
     choose(page, "friction", "0.4")
     lines = page.locator("#comparison tbody tr").all_text_contents()
     assert lines[0] == "friction0.70.4\N{MINUS SIGN}0.3\N{MINUS SIGN}42.9 %"
-    both = (answered(checked_choice({"friction": each}).state).carried for each in (0.7, 0.4))
-    loads = [each["static: load (N)"] for each in both]
-    cells = page.locator("#comparison tr", has_text="static: load (N)").locator("td")
-    assert [*map(float, cells.all_text_contents()[1:3])] == pytest.approx(loads, rel=1e-3)
     again = opened_at(browser, page.url).page
     assert again.locator("#comparison tbody tr").all_text_contents() == lines
     again.close()
