@@ -15,7 +15,7 @@ import yaml
 from conftest import ROOT
 from processes import python, ran
 from small import COARSE
-from test_decks import returned
+from test_record import returned
 
 from workflow.__main__ import forget_failures
 from workflow.cases import cases_of

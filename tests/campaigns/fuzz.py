@@ -23,8 +23,7 @@ import yaml
 from campaigns.counts import ROOT, asked, write_counts
 from click.testing import CliRunner
 from test_compas import assembly, model
-from test_decks import returned
-from test_record import case_of, write_engine_files
+from test_record import case_of, returned, write_engine_files
 
 from sidmacib.command.main import main as command
 from sidmacib.engines.results import read_outcome
