@@ -192,40 +192,40 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
 @pytest.mark.parametrize(
     ("keys", "value", "words"),
     [
-        (("cases",), {}, "design.cases: an empty mapping is not allowed"),
-        (("cases", "push", "newtons"), -1, "design.cases.push.newtons: -1 is not allowed"),
-        (("cases", "push", "over_weight"), 1, "design.cases.push: must have either newtons or"),
-        (("cases", "push", "tilt"), 1, "design.cases.push.tilt: unknown key"),
-        (("cases", "push", "force", "block"), "x", "design.cases.push.force.block: 'x' is"),
-        (("locks", "width"), 0, "design.locks.width.1: 0 is not allowed"),
+        ("cases", {}, "design.cases: an empty mapping is not allowed"),
+        ("cases.push.newtons", -1, "design.cases.push.newtons: -1 is not allowed"),
+        ("cases.push.over_weight", 1, "design.cases.push: must have either newtons or"),
+        ("cases.push.tilt", 1, "design.cases.push.tilt: unknown key"),
+        ("cases.push.force.block", "x", "design.cases.push.force.block: 'x' is"),
+        ("locks.width", 0, "design.locks.width.1: 0 is not allowed"),
         (
-            ("locks", "height"),
+            "locks.height",
             0.6,
             "design.locks.height: 0.6 .* less than 0.6 m, as base is 0.3 m deep there",
         ),
-        (("locks", "width"), [], "design.locks.width: an empty list"),
-        (("locks", "inner"), {"cohesion": 0}, "design.locks.cohesion: 0.0 is not allowed"),
+        ("locks.width", [], "design.locks.width: an empty list"),
+        ("locks.inner", {"cohesion": 0}, "design.locks.cohesion: 0.0 is not allowed"),
         (
-            ("locks", "width"),
+            "locks.width",
             0.3,
             "design: no dry interface of two convex blocks has room for the locks",
         ),
-        (("angles",), "all", "design.angles: 'all' is not allowed; it must be a list"),
-        (("runs",), [[0, 0, 0]], "design.runs.1: "),
-        (("weights",), {"number": 0}, "design.weights: one must be more than 0"),
-        (("factor",), 0, "design.factor: 0 is not allowed"),
-        (("buildable",), "yes", "design.buildable: 'yes' is not allowed"),
-        (("between",), [["base", "x"]], "design.between: 'base and x' is not allowed"),
-        (("option",), "option9", "design.option: 'option9' is not allowed"),
-        (("most",), 3, "design.most: unknown key"),
+        ("angles", "all", "design.angles: 'all' is not allowed; it must be a list"),
+        ("runs", [[0, 0, 0]], "design.runs.1: "),
+        ("weights", {"number": 0}, "design.weights: one must be more than 0"),
+        ("factor", 0, "design.factor: 0 is not allowed"),
+        ("buildable", "yes", "design.buildable: 'yes' is not allowed"),
+        ("between", [["base", "x"]], "design.between: 'base and x' is not allowed"),
+        ("option", "option9", "design.option: 'option9' is not allowed"),
+        ("most", 3, "design.most: unknown key"),
     ],
 )
-def test_a_fault_names_its_key(path: Path, keys: tuple[str, ...], value: Any, words: str) -> None:
+def test_a_fault_names_its_key(path: Path, keys: str, value: Any, words: str) -> None:
     given = two_blocks()
-    inside = given["design"]
-    for key in keys[:-1]:
+    inside, (*outer, last) = given["design"], keys.split(".")
+    for key in outer:
         inside = inside[key]
-    inside[keys[-1]] = value
+    inside[last] = value
     path.write_text(yaml.safe_dump(given))
     result = command("design", str(path))
     assert result.exit_code == 2
