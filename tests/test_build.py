@@ -38,6 +38,7 @@ from sidmacib.joint.pieces import cut_pieces
 from sidmacib.structure.blocks import Block, prism
 from sidmacib.structure.files.structure_file import assembly_of, blocks_and_rows
 from sidmacib.structure.overlaps import common_volume
+from sidmacib.structure.structure import owners_of
 from sidmacib.yaml_text import read_yaml
 
 ARCH = ROOT / "studies" / "arch" / "arch_with_locks.yaml"
@@ -100,14 +101,8 @@ def test_the_voussoirs_of_an_arch_have_the_volumes_of_its_pieces() -> None:
     blocks, rows, near = arch()
     assembly = assembly_of(read_yaml(ARCH))
     volumes = dict.fromkeys((block.name for block in blocks), 0.0)
-    for piece in assembly.pieces:
-        owner = piece.name
-        if owner not in volumes:
-            pair, _, number = piece.name.rpartition("-lock")
-            row = rows[frozenset(pair.split("-"))]
-            (other,) = set(pair.split("-")) - {row.locks.first}
-            owner = str(row.locks.first) if int(number) % 2 else other
-        volumes[owner] += piece.mass / 2000.0
+    for piece, owner in zip(assembly.pieces, owners_of(assembly), strict=True):
+        volumes[assembly.pieces[owner].name] += piece.mass / 2000.0
     for each in solids(blocks, rows, near=near):
         assert each.volume == pytest.approx(volumes[each.name], rel=1e-6)
         assert each.mass == pytest.approx(2000.0 * each.volume)

@@ -1,7 +1,6 @@
 """The cases of a study: which there are, their names, and that they survive being written."""
 
 import json
-import math
 import os
 import time
 from dataclasses import replace
@@ -41,23 +40,7 @@ from workflow.jobs import (
 from workflow.results import BROKE_DOWN, RECORD
 from workflow.step import KilledError
 
-
 # --- which there are -----------------------------------------------------------------------------
-def test_the_papers_study_has_every_sample_mesh_and_direction() -> None:
-    study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
-    reference = [case for case in cases_of(study).values() if case.variant == "reference"]
-    printed = [case for case in reference if case.subject.sample in ("n3", "n5")]
-    assert len(printed) == 4 * 2 * 2 * 9
-    assert {case.model for case in printed} == {"yade", "liggghts", "static", "limit"}
-    fitted = [case for case in reference if case.subject.sample in ("n3_fits", "n5_fits")]
-    assert len(fitted) == len(reference) - len(printed) == 3 * 2 * 2 * 9 + 2 * 2 * 2
-    partly = [case for case in fitted if case.model == "liggghts"]
-    assert {case.subject.direction.eccentricity for case in partly} == {0, 0.5}
-    assert {case.model for case in fitted} == {"yade", "liggghts", "static", "limit"}
-    assert {case.subject.joint.dry.friction for case in fitted} == {0.005236}
-    assert {case.subject.joint.dry.friction for case in printed} == {0.3}
-    directions = {0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, math.inf}
-    assert {case.subject.direction.eccentricity for case in reference} == directions
 
 
 def test_a_direction_is_carried_exactly_as_configured_whatever_the_locks_length() -> None:

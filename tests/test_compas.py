@@ -12,9 +12,9 @@ from command_runner import answers, run
 from scipy.spatial.transform import Rotation
 from structures import dry, moved, read_structure
 
-from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.mechanics.assembly import GRAVITY, NodeLayout
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.files.compas_results import at_corners
 from sidmacib.structure.files.structure_file import structure_of
@@ -297,22 +297,14 @@ def test_locks_that_are_cut_out_count_as_parts_of_their_blocks(tmp_path: Path) -
     assert total == pytest.approx(resultant, abs=1e-9 * weight)
 
 
-@pytest.mark.parametrize("nodes", ["vertices", "centres", "lobatto"])
-def test_forces_at_corners_do_what_those_at_nodes_do(nodes: str) -> None:
+@pytest.mark.parametrize("nodes", NodeLayout)
+def test_forces_at_corners_do_what_those_at_nodes_do(nodes: NodeLayout) -> None:
     hexagon = [[math.cos(k), math.sin(k), 0.0] for k in np.arange(6) * math.pi / 3]
     l_shape = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 2, 0], [0, 2, 0]]
     for outline in (hexagon, l_shape):
-        described = {
-            "blocks": {
-                "below": {"outline": outline, "along": [0, 0, -1], "fixed": True},
-                "above": {"outline": outline, "along": [0, 0, 1]},
-            },
-            "interfaces": {"cohesion": 1e4, "tensile_strength": 1e4},
-            "load": {"acceleration": [1, 0, 0]},
-            "nodes": nodes,
-            "mesh": 0.5,
-        }
-        assembly = structure_of(described).assembly
+        below = prism("below", outline, (0.0, 0.0, -1.0), 2e3, fixed=True)
+        above = prism("above", outline, (0.0, 0.0, 1.0), 2e3)
+        assembly = structure([below, above], dry(0.5), mesh=0.5, nodes=nodes)
         (face,) = assembly.faces
         assert isinstance(face, Polygon)
         places = assembly.nodes.position

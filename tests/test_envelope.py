@@ -271,24 +271,6 @@ def test_the_load_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitu
     assert other.torque == pytest.approx(factor * length * one.torque, rel=1e-9)
 
 
-@pytest.mark.parametrize("power", [-6, -1, 1, 6])
-@pytest.mark.parametrize("friction", [False, True])
-def test_strength_far_from_what_presses_gives_the_load_by_hand(power: int, friction: bool) -> None:
-    """Rocking about the last lock, or the locks' strength, decides pure shear."""
-    joint = Joint(3)
-    joint = replace(joint, inner=replace(joint.inner, cohesion=10.0**power * 8e4))
-    model = Sidmacib(joint, OPTIONS["option4"], friction=friction)
-    upper_locks, body = 2 * joint.h, 3 * joint.H  # volumes over a b
-    centre = (upper_locks * joint.h / 2 + body * (joint.h + joint.H / 2)) / (upper_locks + body)
-    pressure = 1000.0 + upper_block_weight(joint)
-    rocking = pressure * joint.b / (centre - joint.h / 2)
-    expected = min(3 * joint.T0, rocking)
-    assert capacity(model, PURE_SHEAR).load == pytest.approx(expected, rel=1e-8)
-    if not friction:
-        torque = 3 * joint.T0 * joint.a / 4
-        assert capacity(model, TORSION).torque == pytest.approx(torque, rel=1e-8)
-
-
 def upper_block_weight(joint: Joint) -> float:
     """Self-weight in N, by hand."""
     volume = joint.a * joint.b * (joint.locks * joint.H + (joint.locks + 1) // 2 * joint.h)

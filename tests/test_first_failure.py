@@ -85,30 +85,6 @@ def test_mirrored_torques_and_pushes_are_alike() -> None:
     assert back.load == pytest.approx(other.load, rel=1e-9)
 
 
-@pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("eccentricity", [0.0, 0.3, math.inf])
-@pytest.mark.parametrize(
-    ("locks", "others", "cells", "within"),
-    [
-        (5, {}, 4, 0.02),
-        (8, {"H": 0.06, "h": 0.02}, 4, 0.02),
-        (11, {"a": 0.1, "H": 0.1, "inner": replace(INNER, shear_stiffness=3e9)}, 4, 0.02),
-        (3, {"elastic": Elastic(1e10)}, 2, 0.03),
-    ],
-)
-def test_first_failures_are_those_of_the_static_model(
-    locks: int,
-    others: dict[str, Any],
-    cells: int,
-    within: float,
-    eccentricity: float,
-    body: UpperBody,
-) -> None:
-    joint, loading = joint_of(locks, upper_body=body, **others), Loading(Direction(eccentricity))
-    expected = static_first_failure(*posed(joint, loading, joint.least_side / cells)).point.load
-    assert first_failure(joint, loading).load == pytest.approx(expected, rel=within)
-
-
 def test_a_weak_cut_fails_before_the_locks_under_torque() -> None:
     joint = joint_of(9, H=0.012, dry=replace(SMOOTH, normal_stiffness=3e8))
     assert failure(joint, math.inf).utilisation.max() < 0.99
