@@ -105,6 +105,18 @@ def moved(block: Block, turn: Rotation, shift: Sequence[float]) -> Block:
     return replace(block, vertices=tuple(tuple(map(float, place)) for place in places))
 
 
+def notch(width: float, height: float) -> list[Block]:
+    """A long block in a notch between two flanks, as type c: it turns over before it slides."""
+    low, high = 0.5, 0.5 + width / math.sqrt(3.0)
+    blocks = []
+    for name, side in (("left", -1.0), ("right", 1.0)):
+        top = [(side * 2.0, 0, high), (side * width, 0, high), (0, 0, low)]
+        outline = [(0, 0, 0), (side * 2.0, 0, 0), *top]
+        blocks.append(prism(name, outline, (0.0, 1.0, 0.0), 2e3, fixed=True))
+    outline = [(0, 0, low), (width, 0, high), (width, 0, height), (-width, 0, height)]
+    return [*blocks, prism("key", [*outline, (-width, 0, high)], (0.0, 1.0, 0.0), 2e3)]
+
+
 # --- as a file describes them, to ask several doors about -----------------------------------------
 CUBE: dict[str, Any] = {  # of 1 m
     "blocks": {

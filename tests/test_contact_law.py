@@ -18,7 +18,6 @@ from sidmacib.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import (
-    forces_and_tangents,
     node_force,
     node_tangent,
     utilisation,
@@ -78,30 +77,6 @@ def test_the_tangent_is_the_derivative_of_the_force(
         after, before = (np.array(node_force(*constants, *place)) for place in places)
         derivative = (after - before) / (2 * step)
         assert derivative == pytest.approx(expected[:, axis], rel=1e-3, abs=1e-3 * NORMAL)
-
-
-@given(moves, moves, moves, moves, moves, moves, st.sampled_from([0.0, 1.0]))
-def test_given_friction_makes_forces_that_have_a_convex_energy(
-    n: float, x: float, y: float, other_n: float, other_x: float, other_y: float, whole: float
-) -> None:
-    here, there, limit = np.array([n, x, y]), np.array([other_n, other_x, other_y]), 2.0
-    node = (NORMAL, SHEAR, 0.0, limit, whole)
-    forces = [np.array(node_force(*node, *place)) for place in (here, there)]
-    assert (forces[1] - forces[0]) @ (there - here) >= -1e-12
-    if not whole:
-        assert all(math.hypot(force[1], force[2]) <= limit * (1 + 1e-12) for force in forces)
-
-
-def test_nodes_together_have_the_law_of_each() -> None:
-    random, count = np.random.default_rng(1), 50
-    stiffness = 1e6 * (1.0 + random.random((2, count)))
-    law = np.array([*stiffness, random.random(count), np.zeros(count)])
-    whole, moved = random.choice([0.0, 0.3, 1.0], count), 1e-6 * random.normal(size=(count, 3))
-    force, tangent = forces_and_tangents(law, np.zeros((count, 2)), whole, moved)
-    for n in range(count):
-        node = (*law[:, n], whole[n], *moved[n])
-        assert force[n] == pytest.approx(node_force(*node))
-        assert tangent[n] == pytest.approx(tangent_of(*node))
 
 
 def bonds(joint: Joint) -> tuple[ContactLaw, NodeState]:

@@ -1,6 +1,5 @@
 """Interfaces whose blocks have a compressive strength, against closed forms."""
 
-import json
 import math
 import re
 from pathlib import Path
@@ -9,12 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-import yaml
-from command_runner import run
+from command_runner import answers, assembly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-from structures import example, study
+from structures import CUBE, PUSH, example, study
 
 from sidmacib import CapacityError, capacity_curve, limit_load
 from sidmacib.answers.structure import static_answer
@@ -28,8 +26,8 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import tilting
 from sidmacib.structure.files.structure_file import structure_of
+from workflow.schema import with_changes
 
-PUSH = {"acceleration": [1, 0, 0]}
 STRENGTH = 5e5  # Pa
 WIDTH, DEPTH, HEIGHT = 1.0, 0.6, 2.0
 WEIGHT = 2000.0 * GRAVITY * WIDTH * DEPTH * HEIGHT
@@ -37,14 +35,9 @@ CLOSE = 0.985  # of the exact limit, which is never exceeded
 
 
 def pier(load: dict[str, Any], strength: float = STRENGTH, **law: float) -> dict[str, Any]:
-    return {
-        "blocks": {
-            "ground": {"low": [-2, -2, -1], "high": [3, 3, 0], "fixed": True},
-            "pier": {"low": [0, 0, 0], "high": [WIDTH, DEPTH, HEIGHT], "density": 2000},
-        },
-        "interfaces": {"friction": 0.7, "compressive_strength": strength, **law},
-        "load": load,
-    }
+    interfaces = {"friction": 0.7, "compressive_strength": strength, **law}
+    changes = {"blocks": {"cube": {"high": [WIDTH, DEPTH, HEIGHT]}}, "interfaces": interfaces}
+    return with_changes(CUBE, changes) | {"load": load}
 
 
 def limit_of(description: dict[str, Any]) -> float:
@@ -54,7 +47,7 @@ def limit_of(description: dict[str, Any]) -> float:
 def pressed(x: float, y: float) -> dict[str, Any]:
     """A force downwards at this eccentricity."""
     at = [WIDTH / 2 + x, DEPTH / 2 + y, HEIGHT]
-    return {"force": {"block": "pier", "at": at, "direction": [0, 0, -1]}}
+    return {"force": {"block": "cube", "at": at, "direction": [0, 0, -1]}}
 
 
 def assert_both_crush(problem: Problem, limit: float) -> None:
@@ -63,7 +56,7 @@ def assert_both_crush(problem: Problem, limit: float) -> None:
     assert found.mode == CRUSHING
     assert found.load == found.path[-1].load == pytest.approx(limit, rel=1e-6)
     words = found.counts.why.split("; ")[1]
-    told = re.fullmatch(r"ground-pier is at its compressive strength from (\S+) \w+ on", words)
+    told = re.fullmatch(r"ground-cube is at its compressive strength from (\S+) \w+ on", words)
     assert told and float(told[1]) == pytest.approx(limit, rel=1e-3)
 
 
@@ -154,27 +147,24 @@ def test_forces_that_can_go_elsewhere_carry_more_than_what_crushes_first() -> No
     assert slides.mode != CRUSHING
 
 
-def test_the_command_names_what_is_crushed_and_decides_by_it(tmp_path: Path) -> None:
-    path, demand = tmp_path / "pier.yaml", PUSH | {"newtons": "5kN"}
-    path.write_text(yaml.safe_dump(pier(demand)))
-    found = run("assembly", str(path))
-    assert "; crushed: ground-pier; largest displacement: pier" in found.output
+def test_the_command_names_what_is_crushed_and_decides_by_it(path: Path) -> None:
+    demand = PUSH | {"newtons": "5kN"}
+    found = assembly(path, pier(demand))
+    assert "; crushed: ground-cube; largest displacement: cube" in found.output
     line = found.output.splitlines()[0]
     assert line == (
         "Yes: it carries 5000 N with a factor of 2.17; the peak counts: limited by crushing in "
-        "limit analysis; ground-pier is at its compressive strength from 10847 N on; without "
+        "limit analysis; ground-cube is at its compressive strength from 10847 N on; without "
         "crushing 11772 N"
     )
-    rows = json.loads(run("assembly", str(path), "--interfaces", "--format", "json").stdout)
-    assert rows[0]["utilisation"] == pytest.approx(1.0, abs=1e-3)
-    path.write_text(yaml.safe_dump(pier(demand, strength=0.9 * 2000 * GRAVITY * 2)))
-    found = run("assembly", str(path))
+    (row,) = answers("assembly", str(path), "--interfaces")
+    assert row["utilisation"] == pytest.approx(1.0, abs=1e-3)
+    found = assembly(path, pier(demand, strength=0.9 * 2000 * GRAVITY * 2))
     assert found.exit_code == 1
     assert found.output.startswith("No: the structure does not stand under its own weight")
     keyed = example("keyed") | {"interfaces": {"friction": 0.5, "compressive_strength": "5MPa"}}
-    path.write_text(yaml.safe_dump(keyed))
     words = "Note: compressive_strength: does not limit interfaces with"
-    assert words in run("assembly", str(path)).output
+    assert words in assembly(path, keyed).output
 
 
 def test_what_knows_no_crushing_refuses_it() -> None:
@@ -184,7 +174,7 @@ def test_what_knows_no_crushing_refuses_it() -> None:
         capacity_curve(*problem)
     for name in ("yade", "liggghts"):
         said = refusal(ENGINES[name], problem.assembly)
-        assert said == "ground-pier has a compressive_strength; no engine models crushing"
+        assert said == "ground-cube has a compressive_strength; no engine models crushing"
     locks, cases = {"width": 0.05, "height": 0.02}, {"push": PUSH | {"newtons": 1}}
     with pytest.raises(ValueError, match="compressive_strength: is for multilock assembly"):
         task_of({**description, "design": {"locks": locks, "cases": cases}})

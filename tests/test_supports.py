@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import shapely
 from command_runner import by_model
 from structures import dry, example
 
@@ -40,21 +41,17 @@ class HalfArch:
     def __init__(self) -> None:
         self.joints = np.arange(COUNT // 2 + 1) * math.pi / COUNT
         self.inner, self.outer = 1.0 - THICKNESS / 2, 1.0 + THICKNESS / 2
-        parts = [self._voussoir(one, other) for one, other in pairwise(self.joints.tolist())]
-        self.areas = np.array([area for area, _ in parts])
-        self.centres = np.array([centre for _, centre in parts])
+        ends = [
+            [self._at(r, joint) for r in (self.inner, self.outer)]
+            for joint in range(COUNT // 2 + 1)
+        ]
+        parts = [shapely.Polygon([*one, *other[::-1]]) for one, other in pairwise(ends)]
+        self.areas = np.array([part.area for part in parts])
+        self.centres = np.array([part.centroid.coords[0] for part in parts])
         self.low, self.crown = self._at(self.inner, HINGE), np.array([0.0, self.outer])
 
     def _at(self, radius: float, joint: int) -> Floats:
         return radius * np.array([math.cos(self.joints[joint]), math.sin(self.joints[joint])])
-
-    def _voussoir(self, one: float, other: float) -> tuple[float, Floats]:
-        corners = [(self.inner, one), (self.outer, one), (self.outer, other), (self.inner, other)]
-        x, z = np.array([(r * math.cos(p), r * math.sin(p)) for r, p in corners]).T
-        cross = x * np.roll(z, -1) - np.roll(x, -1) * z
-        area = float(cross.sum()) / 2
-        middle = [((v + np.roll(v, -1)) * cross).sum() / (6 * area) for v in (x, z)]
-        return area, np.array(middle)
 
     def thrust(self, spread: float) -> tuple[float, bool]:
         """The thrust over the weight of the arch, and whether it is inside all joints below."""

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from structures import BLOCK, GROUND, LEANING, degrees, dry, moved, on_ground
+from structures import BLOCK, GROUND, LEANING, degrees, dry, moved, notch, on_ground
 
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import FaceMaterial, Vector
@@ -22,7 +22,7 @@ from sidmacib.structure.analysis.tilt import (
     tilting,
     turned,
 )
-from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import Pair, structure
 from studies.structures.shapes import arch
@@ -110,21 +110,11 @@ def test_gravity_that_turns_is_a_load_of_the_weight_times_the_angle(axis: Vector
     assert loads.at(1e-3) == pytest.approx(loads.permanent + 1e-3 * loads.variable)
 
 
-def wedge() -> list[Block]:
-    """A block in a notch between two fixed ones."""
-    along = (0.0, 1.0, 0.0)
-    flanks = [
-        prism(name, [(0, 0, 0), (side, 0, 0), (side, 0, 1.0)], along, 2e3, fixed=True)
-        for name, side in (("left", -1.0), ("right", 1.0))
-    ]
-    return [*flanks, prism("key", [(0, 0, 0), (0.7, 0, 0.7), (-0.7, 0, 0.7)], along, 2e3)]
-
-
 STONE, STEP = box("block", (0.0, 0.0, 0.0), (0.5, 0.4, 0.3), 2e3), np.array([0.05, 0.03, 0.3])
 STACK = [  # each a little further along x and y than the one below
     replace(moved(STONE, Rotation.identity(), k * STEP), name=f"block{k}") for k in range(3)
 ]
-SHAPES = {"stack": [GROUND, *STACK], "arch": arch(9, 0.25), "wedge": wedge()}
+SHAPES = {"stack": [GROUND, *STACK], "arch": arch(9, 0.25), "wedge": notch(1.0, 2.3)}
 MATERIAL = dry(0.4)
 
 

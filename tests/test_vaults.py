@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 from command_runner import run
-from structures import BLOCK, GROUND, LEANING, degrees, dry, on_ground, read_structure
+from structures import BLOCK, GROUND, LEANING, degrees, dry, notch, on_ground, read_structure
 
 from sidmacib import InfeasibleError, UnboundedError, limit_load, static_peak
 from sidmacib.design.blocking import order_of
@@ -18,7 +18,7 @@ from sidmacib.design.sizing import carried
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
-from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import free_weight
@@ -132,18 +132,6 @@ def test_a_search_in_place_of_trying_all_layouts_costs_the_same() -> None:
 
 # --- structures beside published values ----------------------------------------------------------
 Y = Tilt((0.0, 1.0, 0.0))
-
-
-def notch(width: float, height: float) -> list[Block]:
-    """A long block in a notch between two flanks, as type c: it turns over before it slides."""
-    low, high = 0.5, 0.5 + width / math.sqrt(3.0)
-    blocks = []
-    for name, side in (("left", -1.0), ("right", 1.0)):
-        top = [(side * 2.0, 0, high), (side * width, 0, high), (0, 0, low)]
-        outline = [(0, 0, 0), (side * 2.0, 0, 0), *top]
-        blocks.append(prism(name, outline, (0.0, 1.0, 0.0), 2e3, fixed=True))
-    outline = [(0, 0, low), (width, 0, high), (width, 0, height), (-width, 0, height)]
-    return [*blocks, prism("key", [*outline, (-width, 0, high)], (0.0, 1.0, 0.0), 2e3)]
 
 
 @pytest.mark.parametrize("finite", [False, True])

@@ -16,7 +16,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from campaigns.counts import ROOT, asked
@@ -27,19 +26,10 @@ from cosmic_ray.work_item import MutationSpec, TestOutcome
 
 READERS = ("workflow/results/__init__.py", "workflow/threedec.py")
 EVERYDAY = "not engine and not study and not machine"
+COLUMNS = ("module", "line", "kind", "noticed", "diff")
 TYPES = "BitOr"  # float | None: no tests are for those
+Row = tuple[str, int, str, bool, str]
 SLOWER = 5.0  # with a fault than without: the tests are taken to hang, which is noticed
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """A fault: its file, line and kind, whether it was noticed, and the change as a diff."""
-
-    module: str
-    line: int
-    kind: str
-    noticed: bool
-    diff: str
 
 
 def places(folder: Path, modules: Iterable[Path]) -> list[list[MutationSpec]]:
@@ -74,8 +64,8 @@ def command(checkout: Path, module: str | None = None) -> str:
     return f"cd {place} && PYTHONPATH={place} OPENBLAS_NUM_THREADS=1 sh -c {shlex.quote(commands)}"
 
 
-def tried(checkout: Path, faults: Iterable[MutationSpec], longest: float) -> Iterator[Mutant]:
-    """Each fault with what the tests say of it within ``longest`` (s)."""
+def tried(checkout: Path, faults: Iterable[MutationSpec], longest: float) -> Iterator[Row]:
+    """A row for each fault, with what the tests say of it within ``longest`` (s)."""
     for fault in faults:
         module = str(Path(fault.module_path).relative_to(checkout))
         run = f"sh -c {shlex.quote(command(checkout, module))}"
@@ -84,7 +74,7 @@ def tried(checkout: Path, faults: Iterable[MutationSpec], longest: float) -> Ite
             continue
         noticed = found.test_outcome is not TestOutcome.SURVIVED
         kind = fault.operator_name.removeprefix("core/")
-        yield Mutant(module, fault.start_pos[0], kind, noticed, found.diff or "")
+        yield module, fault.start_pos[0], kind, noticed, found.diff or ""
 
 
 def main() -> None:
@@ -105,12 +95,11 @@ def main() -> None:
         some = chosen.sample(every, min(arguments.number, len(every)))
         with arguments.table.open("w", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(Mutant.__dataclass_fields__)
-            for mutant in tried(checkout, (chosen.choice(kinds) for kinds in some), longest):
-                counts[mutant.noticed] += 1
-                verdict = "noticed" if mutant.noticed else "SURVIVED"
-                print(f"{mutant.module}:{mutant.line} {mutant.kind}: {verdict}", flush=True)
-                row = (mutant.module, mutant.line, mutant.kind, mutant.noticed, mutant.diff)
+            writer.writerow(COLUMNS)
+            for row in tried(checkout, (chosen.choice(kinds) for kinds in some), longest):
+                module, line, kind, noticed, _ = row
+                counts[noticed] += 1
+                print(f"{module}:{line} {kind}: {'noticed' if noticed else 'SURVIVED'}", flush=True)
                 writer.writerow(row)
                 stream.flush()
     score = counts[True] / max(1, sum(counts))
