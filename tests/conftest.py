@@ -32,11 +32,9 @@ from sidmacib.engines.run import EngineError, engine_outcome
 from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.pieces import lock_faces, shared_face
-from sidmacib.mechanics.assembly import Cuboid, Floats, Kind
+from sidmacib.mechanics.assembly import Cuboid, Kind
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.equilibrium import self_weight
-from sidmacib.mechanics.newton import put_at
-from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
 from workflow import engine as engine_step
 from workflow.case import Case, JointCase, JointSubject
@@ -90,13 +88,6 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     material = joint.inner if kind is Kind.INNER else joint.dry
     faces = (shared_face("face", kind, material, pieces, (0, 1)),)
     return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), joint.a)
-
-
-def point_at(contacts: ContactFaces, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
-    """What ``unknowns`` of compiled ``contacts`` make of its nodes, without other forces."""
-    here = new_point(len(unknowns), contacts.start)
-    put_at(contacts, slip, whole, np.zeros_like(unknowns), here, unknowns)
-    return here
 
 
 def renumbered(assembly: Assembly) -> Assembly:

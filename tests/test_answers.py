@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from campaigns.peaks import block, outcome
-from command_runner import answers, run
+from command_runner import assembly, by_model
 from conftest import ROOT
 from structures import FILES, read_structure, study
 
@@ -41,11 +40,9 @@ def record_of(description: dict[str, Any], model: str = "static") -> StructureRe
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_a_file_has_the_same_load_at_every_door(name: str, tmp_path: Path) -> None:
-    description, path = FILES[name], tmp_path / "structure.yaml"
-    path.write_text(yaml.safe_dump(description))
-    answer = static_answer(structure_of(description))
-    printed = {row["model"]: row for row in answers("assembly", str(path))}
+def test_a_file_has_the_same_load_at_every_door(name: str, path: Path) -> None:
+    description = FILES[name]
+    answer, printed = static_answer(structure_of(description)), by_model(path, description)
     table = structures_table([record_of(description), record_of(description, "limit")])
     row = table.set_index("model").loc["static"]
     limit = table.set_index("model").loc["limit"]
@@ -90,16 +87,14 @@ def test_meshes_that_agree_by_chance_are_found_by_limit_analysis(name: str) -> N
     assert found.load < 0.96 * found.given.peak
 
 
-def test_a_structure_that_falls_alone_is_said_to(tmp_path: Path) -> None:
+def test_a_structure_that_falls_alone_is_said_to(path: Path) -> None:
     falls = study("arch/arch", friction=0.1)
     for load in ({}, {"load": {"tilt": {"axis": [0, 1, 0]}}}):
         with pytest.raises(NoEquilibriumError, match=f"^{DOES_NOT_STAND}$"):
             static_answer(structure_of(falls | load))
     record = record_of(falls)
     assert (record.refused, record.error) == (f"static: {DOES_NOT_STAND}", None)  # an answer
-    path = tmp_path / "structure.yaml"
-    path.write_text(yaml.safe_dump(falls))
-    found = run("assembly", str(path), "--format", "json")
+    found = assembly(path, falls, "--format", "json")
     assert (found.exit_code, json.loads(found.stdout)[-1]["note"]) == (1, DOES_NOT_STAND)
 
 

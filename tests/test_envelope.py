@@ -170,12 +170,6 @@ def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) 
     assert sum(REDUCTIONS[rule](heavy, (0.5, 0.5, 0.0))) == 1.0
 
 
-@pytest.mark.parametrize("sum_", [0.0, 0.999, 1.0, 2.5, 5.0, 9.0])
-def test_the_sum_of_weights_counts_rounded_down_and_at_most_all_locks(sum_: float) -> None:
-    strength = REDUCTIONS["floor_of_sum"](Joint(5), (sum_ / 5,) * 5)
-    assert sum(strength) == min(math.floor(sum_ + 1e-12), 5)
-
-
 DIRECTIONS = [Direction(e) for e in (0.0, 0.2, -0.2, 1.0, -5.0, math.inf, -math.inf)]
 DIFFERENT = {1: OwnLock(width=0.09, inner=replace(INNER, cohesion=2e5)), 2: OwnLock(density=9e3)}
 

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import block_on_ground, load_on_block, point_at
+from conftest import block_on_ground, load_on_block
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from stack import tilted_stack
 
 from sidmacib import Assembly, FaceMaterial, Joint, Loads, NodeLayout, UpperBody, assemble
-from sidmacib.mechanics.assembly import Cuboid, Kind, Rectangle
+from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, Rectangle
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.contact_nodes import contact_nodes
@@ -22,8 +22,8 @@ from sidmacib.mechanics.equilibrium import (
     natural_frequencies,
     wrenches,
 )
-from sidmacib.mechanics.newton import solve_linear
-from sidmacib.mechanics.newton.faces import tangent_stiffness
+from sidmacib.mechanics.newton import put_at, solve_linear
+from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point, tangent_stiffness
 from sidmacib.mechanics.rigid import RigidSolver, ordering
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
@@ -114,6 +114,13 @@ def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
     slip = 1e-7 * random.normal(size=(len(contact_law.friction), 2))
     whole = contact_law.cohesive * random.choice([0.0, 0.0, 0.4, 1.0], len(slip))
     return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, whole)
+
+
+def point_at(contacts: ContactFaces, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
+    """What ``unknowns`` of compiled ``contacts`` make of its nodes, without other forces."""
+    here = new_point(len(unknowns), contacts.start)
+    put_at(contacts, slip, whole, np.zeros_like(unknowns), here, unknowns)
+    return here
 
 
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:

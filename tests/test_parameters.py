@@ -10,10 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small import SMALL
 
-from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib, assemble, pairs_of
+from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
 from sidmacib.joint import INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, SIZES, unit_warnings, with_parameters
-from sidmacib.mechanics.assembly import FaceMaterial, Kind
 from sidmacib.quantities import Length
 from sidmacib.rule import law, spans_of
 from workflow.configuration import read_study
@@ -141,26 +140,6 @@ def test_a_parameter_is_in_a_span_of_the_rule_or_refused_by_it(name: str) -> Non
     if spans_of(other) == spans_of(PRESSED):
         with pytest.raises(ValueError, match=name):
             law(other, Direction(0.3))
-
-
-class Twice(Joint):
-    """A joint whose faces of every kind are twice as stiff as its materials."""
-
-    def material_of(self, kind: Kind) -> FaceMaterial:
-        law = super().material_of(kind)
-        return law if kind is Kind.PLATE else twice(law)  # which reads that of dry faces
-
-
-def twice(law: FaceMaterial) -> FaceMaterial:
-    normal, shear = 2.0 * law.normal_stiffness, 2.0 * law.shear_stiffness
-    return replace(law, normal_stiffness=normal, shear_stiffness=shear)
-
-
-def test_pieces_and_rules_read_the_faces_of_a_joint_in_one_place() -> None:
-    found, plain = Twice(4), Joint(4)
-    expected = replace(plain, inner=twice(plain.inner), dry=twice(plain.dry))
-    for read in (spans_of, pairs_of, lambda joint: assemble(joint, 0.02).faces):
-        assert read(found) == read(expected)
 
 
 def test_sizes_are_the_lengths_of_a_joint() -> None:

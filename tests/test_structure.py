@@ -33,7 +33,6 @@ from sidmacib.structure.interfaces import common, interfaces
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import shared_volume
 from sidmacib.structure.structure import refined, structure
-from sidmacib.structure.warnings import structure_warnings
 from studies.structures.shapes import arch
 
 
@@ -218,17 +217,6 @@ def test_blocks_that_are_not_convex_may_touch_but_not_overlap(turn: tuple[int, i
                 structure(pair, dry(0.5))
         else:
             assert len(structure(pair, dry(0.5)).faces) == 2
-
-
-def test_faces_that_nearly_touch_get_a_note_unless_the_tolerance_joins_them() -> None:
-    other = box("other", (0.4 + 2e-5, 0.0, 0.0), (0.8, 0.6, 1.0), 2e3)
-    model = structure([GROUND, BLOCK, other], dry(0.5))
-    (note,) = structure_warnings(model)
-    assert "faces of 1 more (0.6 m2), such as block and other" in note
-    assert note.endswith("tolerance: 2e-05 takes them as touching")
-    joined = structure([GROUND, BLOCK, other], dry(0.5), near=1e-4)
-    assert len(joined.faces) == len(model.faces) + 1
-    assert structure_warnings(joined, 1e-4) == []
 
 
 def test_unsettled_friction_tells_the_last_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:
