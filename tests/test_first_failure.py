@@ -76,15 +76,6 @@ def test_strength_and_area_scale_loads(size: float, strength: float, eccentricit
     assert loads[1] == pytest.approx(loads[0], rel=1e-4)
 
 
-def test_mirrored_torques_and_pushes_are_alike() -> None:
-    for eccentricity in (0.5, math.inf):
-        one, other = (failure(joint_of(4), sign * eccentricity).load for sign in (-1, 1))
-        assert one == pytest.approx(other, rel=1e-4)
-    back = failure(joint_of(6), 0.2, Push.MINUS_Y)
-    other = failure(joint_of(6, first=Side.LOWER), 0.2)
-    assert back.load == pytest.approx(other.load, rel=1e-9)
-
-
 def test_a_weak_cut_fails_before_the_locks_under_torque() -> None:
     joint = joint_of(9, H=0.012, dry=replace(SMOOTH, normal_stiffness=3e8))
     assert failure(joint, math.inf).utilisation.max() < 0.99

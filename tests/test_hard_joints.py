@@ -123,19 +123,6 @@ def test_a_joint_without_weight_carries_what_one_of_next_to_none_does() -> None:
     assert found.mode is light.mode is Mode.BONDS
 
 
-@pytest.mark.study
-@settings(max_examples=2)
-@given(st.integers(9, 12), st.floats(0.3, 0.8), st.floats(0.002, 0.02))
-def test_equilibria_of_rough_locks_obey_the_law(locks: int, friction: float, shear: float) -> None:
-    inner = replace(ROUGH.inner, shear_stiffness=1e10 * shear)
-    joint = replace(ROUGH, locks=locks, inner=inner, dry=replace(ROUGH.dry, friction=friction))
-    model, loads = loaded(joint, math.inf, 0.033, NodeLayout.VERTICES, Push.MINUS_Y)
-    found = static_peak(model, loads)
-    for point in found.path:
-        require_equilibrium(model, loads, point)
-    assert found.path[0].load == 0.0
-
-
 BY_WEIGHT = Joint(
     *(4, 0.03664, 0.05, 0.0115, 0.015),
     density=307728,
@@ -309,17 +296,6 @@ def test_the_ends_of_every_span_are_reached(end: float) -> None:
 def test_the_safe_load_is_below_the_first_failure(place: list[float], space: Space) -> None:
     found = ratio_at(space, place)
     assert found is not None and found <= 1.0
-
-
-@pytest.mark.study
-@pytest.mark.usefixtures("small")
-@pytest.mark.parametrize("space", RIGID[1:3], ids=lambda space: space.name)
-def test_a_short_attack_finds_no_unsafe_joint(space: Space) -> None:
-    worst = search(space, seed=1, evaluations=40)
-    assert worst.evaluations >= 40
-    assert worst.answered > 0.2 * worst.evaluations
-    assert worst.unsolved == 0
-    assert 0.85 < worst.ratio <= 1.0
 
 
 def test_the_worst_joint_is_solved_with_more_locks(monkeypatch: pytest.MonkeyPatch) -> None:

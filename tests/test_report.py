@@ -215,21 +215,3 @@ def test_the_address_opens_what_was_chosen(browser: Any, report: Path, opened: O
     assert again.evaluate("scrollY") > 0
     assert found.errors == []
     again.close()
-
-
-@needs_browser
-def test_a_link_to_a_section_keeps_what_is_chosen(opened: Opened) -> None:
-    page = opened.page
-    page.select_option("#sample", "n5")
-    page.click("nav a[href='#tables']")
-    until(page, "location.hash.startsWith('#tables&sample=n5')")
-    assert page.input_value("#sample") == "n5"
-
-
-@needs_browser
-def test_an_address_of_what_is_not_there_opens_the_page(browser: Any, report: Path) -> None:
-    wrong = "#nowhere&sample=q&table-name=q&curve-models-q=true&q=1"
-    found = shown(browser, f"{report.as_uri()}{wrong}")
-    assert found.page.input_value("#sample") in ("n3", "n5")
-    assert found.errors == []
-    found.page.close()

@@ -7,7 +7,6 @@ import pytest
 from made_up_results import record_with, tables_of
 from small import SMALL
 
-from analysis.figures import figures_of
 from analysis.published import comparisons, difference_text, read_published
 from analysis.summary.summary import leading_models, summary
 from workflow.case import JointCase
@@ -100,11 +99,3 @@ def test_a_mesh_error_above_2_percent_is_named_with_help(tables: dict[str, pd.Da
     text = summary("there", small, [0.02])
     assert "static mesh 0.02 m: 1.00 %" in text
     assert "ABOVE" not in text and "capacities have a mesh error" not in text
-
-
-# --- in figures ----------------------------------------------------------------------------------
-def test_stress_maps_of_a_sample_are_those_of_the_models_that_run_on_it(study: Study) -> None:
-    figures = figures_of(study)
-    assert figures["shear_stress-n3"].case.model == "yade"
-    assert figures["shear_stress-n3_fits"].case.model == "static"
-    assert "shear_stress-n3-static" not in figures

@@ -10,9 +10,6 @@ import pytest
 from made_up_results import capacity_of, record_with
 from small import TWO_MESHES
 
-from analysis.figures import FigureSpec
-from analysis.figures.models import fracture_energy, stiffness
-from analysis.figures.style import FigureData
 from analysis.tables.collect import weight_sums, weights_table
 from analysis.tables.comparisons import variants_table
 from sidmacib.mechanics.assembly import Failure
@@ -86,15 +83,3 @@ def test_the_option_that_a_variant_follows_is_its_best(option: str) -> None:
     soft = table[table["variant"] == "soft"]
     assert set(soft["option"]) == {option}
     assert soft["misfit"].to_numpy() == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("study", "draw", "panels"),
-    [(elastic_study(), stiffness, 3), (study_of(FADES), fracture_energy, 1)],
-)
-def test_figures_show_every_sample(study: Study, draw: Callable[..., Any], panels: int) -> None:
-    capacity, table = tables_of(study, lambda case: 200.0)
-    empty = pd.DataFrame()
-    spec = FigureSpec("made_up", "made_up")
-    figure = draw(FigureData(spec, study, None, capacity, empty, empty, empty, table))
-    assert len([axes for axes in figure.axes if axes.lines]) == panels
