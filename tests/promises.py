@@ -20,7 +20,8 @@ def require_kept(code: str, names: dict[str, Any]) -> None:
         found = NUMBER.findall(outputs[line])
         assert len(found) == len(numbers), f"{code.splitlines()[line - 1]}: {outputs[line]}"
         for number, value in zip(numbers, found, strict=True):
-            assert float(value) == pytest.approx(float(number), abs=last_digit(number) / 2)
+            last_digit = 10.0 ** -len(number.partition(".")[2])
+            assert float(value) == pytest.approx(float(number), abs=last_digit / 2)
 
 
 def promised(code: str) -> dict[int, list[str]]:
@@ -44,9 +45,3 @@ def printed(code: str, names: dict[str, Any]) -> dict[int, str]:
             exec(compile(ast.Module([statement], []), "example", "exec"), names)
         found[statement.lineno] = output.getvalue()
     return found
-
-
-def last_digit(number: str) -> float:
-    """The value of the last digit of ``number``."""
-    _, _, decimals = number.partition(".")
-    return float(10 ** -len(decimals))

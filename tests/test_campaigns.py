@@ -2,7 +2,6 @@
 
 import os
 import signal
-import subprocess
 import sys
 import time
 from contextlib import suppress
@@ -49,14 +48,6 @@ LONG = {  # a case of an engine that takes minutes
 }
 
 
-def make_study(folder: Path) -> subprocess.Popen[str]:
-    """`make study` of a long study, started in a separate session."""
-    config = folder / "study.yaml"
-    config.write_text(yaml.safe_dump(LONG))
-    words = ("study", f"CONFIG={config}", f"RESULTS={folder / 'results'}")
-    return started(*INSTALLED, *words, start_new_session=True)
-
-
 @pytest.mark.study
 @pytest.mark.engine
 @pytest.mark.parametrize(
@@ -70,7 +61,10 @@ def make_study(folder: Path) -> subprocess.Popen[str]:
 def test_a_study_that_is_stopped_leaves_nothing_alive_and_no_lock(
     tmp_path: Path, number: signal.Signals, whom: str, words: str
 ) -> None:
-    run = make_study(tmp_path)
+    config = tmp_path / "study.yaml"
+    config.write_text(yaml.safe_dump(LONG))
+    words = ("study", f"CONFIG={config}", f"RESULTS={tmp_path / 'results'}")
+    run = started(*INSTALLED, *words, start_new_session=True)
     assert becomes_true(lambda: any("joint.py" in each for each in processes_in(tmp_path)), 90.0)
     pid = descendants(run.pid)[0] if whom == "main" else run.pid
     for _ in range(2):

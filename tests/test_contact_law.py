@@ -54,11 +54,6 @@ def test_a_faded_bond_is_softer_unless_pressed(n: float, x: float, y: float, who
     assert force == pytest.approx((normal, whole * SHEAR * x, whole * SHEAR * y))
 
 
-def tangent_of(*node: float) -> np.ndarray:
-    t00, t10, t20, t11, t12, t22 = node_tangent(*node)
-    return np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
-
-
 # Friction coefficient, given friction (N) and what is left of the bond.
 TANGENTS = [(FRICTION, 0.0, 0.0), (FRICTION, 0.0, 0.3), (FRICTION, 0.0, 1.0), (0.0, 2.0, 0.0)]
 
@@ -71,7 +66,8 @@ def test_the_tangent_is_the_derivative_of_the_force(
     cone = node[0] * NORMAL * n + node[1]
     # Away from where the derivative jumps: opening, the edge of the cone and its tip.
     assume(abs(n) > 1e-8 and slip > 1e-7 and abs(SHEAR * slip - cone) > 1e-2)
-    expected = tangent_of(*constants, n, x, y)
+    t00, t10, t20, t11, t12, t22 = node_tangent(*constants, n, x, y)
+    expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
     for axis, move in enumerate(np.eye(3) * step):
         places = (np.array([n, x, y]) + each for each in (move, -move))
         after, before = (np.array(node_force(*constants, *place)) for place in places)

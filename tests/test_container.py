@@ -37,15 +37,6 @@ def buildah(*words: str | Path) -> str:
     return found.stdout.strip()
 
 
-def make_base(folder: Path) -> None:
-    """Debian's smallest system, as an image."""
-    root = folder / "root"
-    subprocess.run(["debootstrap", "--variant=minbase", "bookworm", root], check=True)
-    container = buildah("from", "scratch")
-    buildah("add", container, root, "/")
-    buildah("commit", "--rm", container, BASE)
-
-
 @pytest.fixture
 def container(tmp_path: Path) -> Iterator[str]:
     """A container of the image that the recipe makes of the checkout as it was committed."""
@@ -56,7 +47,11 @@ def container(tmp_path: Path) -> Iterator[str]:
     alone = ("--isolation", "chroot", "--pull-never", "--network", "host")
     try:
         if not there:
-            make_base(tmp_path)
+            root = tmp_path / "root"  # Debian's smallest system
+            subprocess.run(["debootstrap", "--variant=minbase", "bookworm", root], check=True)
+            base = buildah("from", "scratch")
+            buildah("add", base, root, "/")
+            buildah("commit", "--rm", base, BASE)
         buildah("build", *alone, *options, "--tag", IMAGE, checkout)
         yield buildah("from", "--pull-never", "--name", CONTAINER, IMAGE)
     finally:

@@ -15,7 +15,7 @@ from sidmacib.design.sizing import carried, largest_factor, least_cost, needed
 from sidmacib.errors import InfeasibleError
 from sidmacib.joint import DRY, INNER
 from sidmacib.mechanics.assembly import Assembly, Vector
-from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import force_at, free_weight
 from sidmacib.structure.structure import structure
 from studies.designed_vault.all_layouts import row
@@ -51,15 +51,6 @@ def design_on(
 def pushed(assembly: Assembly, load: float, along: Vector = (0.0, 1.0, 0.0)) -> LoadCase:
     """A push at the foot of the block, so that nothing turns over."""
     return LoadCase("push", force_at(assembly, "block", (0.2, 0.3, 0.0), along), load)
-
-
-def stack() -> list[Block]:
-    """Two blocks on a base."""
-    return [
-        BASE,
-        box("lower", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3),
-        box("upper", (0.0, 0.0, 0.3), (0.4, 0.6, 0.6), 2e3),
-    ]
 
 
 LOAD = 3000.0  # N
@@ -106,7 +97,9 @@ def test_without_friction_two_directions_are_needed_and_one_is_not_enough() -> N
 
 def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     """By differences of the factor of designs whose locks are a little stronger and weaker."""
-    assembly = structure(stack(), dry(0.2))
+    lower = box("lower", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3)
+    upper = box("upper", (0.0, 0.0, 0.3), (0.4, 0.6, 0.6), 2e3)
+    assembly = structure([BASE, lower, upper], dry(0.2))
     loads = force_at(assembly, "upper", (0.25, 0.3, 0.3), (-0.25, 1.0, 0.0))
     given = design_on(assembly, [LoadCase("push", loads, 1000.0)], angles=(20.0,), most=2)
     sites = zip(given.sites, (1, 2), strict=True)

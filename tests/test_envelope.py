@@ -241,7 +241,8 @@ def test_forces_at_the_peak_balance_the_upper_block_and_keep_their_bounds(joint:
     assert along.sum() == pytest.approx(0.0, abs=1e-6)
     torque = positions[:, 0] @ across - positions[:, 1] @ along
     assert torque == pytest.approx(-point.torque)
-    assert normal.sum() == pytest.approx(1000.0 + upper_block_weight(joint))
+    volume = joint.a * joint.b * (joint.locks * joint.H + (joint.locks + 1) // 2 * joint.h)
+    assert normal.sum() == pytest.approx(1000.0 + joint.density * GRAVITY * volume)
     assert (np.abs(along) <= joint.dry.friction * normal + 1e-6).all()
     assert (np.abs(across) <= joint.T0 / 2 + 1e-6).all()
 
@@ -263,12 +264,6 @@ def test_the_load_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitu
     other = capacity(model, direction)
     assert other.load == pytest.approx(factor * one.load, rel=1e-9)
     assert other.torque == pytest.approx(factor * length * one.torque, rel=1e-9)
-
-
-def upper_block_weight(joint: Joint) -> float:
-    """Self-weight in N, by hand."""
-    volume = joint.a * joint.b * (joint.locks * joint.H + (joint.locks + 1) // 2 * joint.h)
-    return joint.density * GRAVITY * volume
 
 
 def test_three_points_give_a_curve_of_two_straight_parts(joint: Joint) -> None:
