@@ -1,5 +1,6 @@
 """Equilibrium matrices, their scales, and the nodes of an assembly as springs between pieces."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from stack import tilted_stack
 
-from sidmacib import Assembly, FaceMaterial, Joint, Loads, NodeLayout, UpperBody, assemble
+from sidmacib import Assembly, FaceMaterial, Loads, NodeLayout, UpperBody, assemble
+from sidmacib.joint import DRY, Joint
 from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, Rectangle
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import put_slip
@@ -182,3 +184,45 @@ def test_the_band_does_not_grow_with_the_locks_as_a_body_in_one_piece_is_in_its_
         assert (order.inner, order.outer, order.band) == (6 * locks, 6, 11)
     few, many = (ordering(assemble(Joint(n), 0.03)) for n in (7, 31))
     assert (many.band, many.outer) == (few.band, 0)
+
+
+# --- what an assembly refuses --------------------------------------------------------------------
+NONE = math.nan, math.inf, -math.inf
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *((name, value) for name in vars(DRY) for value in (*NONE, -1.0)),
+        *(("normal_stiffness", 0.0), ("shear_stiffness", 0.0)),
+    ],
+)
+def test_a_material_has_stiffness_and_nothing_negative_or_infinite(name: str, value: float) -> None:
+    with pytest.raises(ValueError, match=f"{name}: {value}"):
+        replace(DRY, **{name: value})
+
+
+def test_nodes_stand_face_by_face(joint: Joint) -> None:
+    nodes = block_on_ground(joint, Kind.DRY, 0.02).nodes
+    with pytest.raises(ValueError, match="in the order of their faces"):
+        replace(nodes, face=np.arange(len(nodes.face))[::-1])
+
+
+@pytest.mark.parametrize("value", [*NONE, -1.0, 0.0])
+def test_sizes_masses_scales_and_loads_are_numbers(joint: Joint, value: float) -> None:
+    model = block_on_ground(joint, Kind.DRY, 0.02)
+    loads, piece = load_on_block(model, (0.0, 1.0, 0.0), 0.0), model.pieces[1]
+    refused = [
+        (model, {"length": value}, f"length: {value} is"),
+        (loads, {"scale": value}, f"scale: {value} is"),
+        (model.nodes, {"area": model.nodes.area * value}, "areas"),
+    ]
+    if value:  # a piece may have no mass, and begins at 0
+        refused.append((piece, {"mass": value}, f"block, mass .*: {value} is"))
+        refused.append((piece, {"high": (value, 1.0, 1.0)}, "block, edge x"))
+    if not math.isfinite(value):
+        given = np.full((2, 6), value)
+        refused += [(loads, {n: given}, f"{n} loads") for n in ("permanent", "variable")]
+    for whole, change, words in refused:
+        with pytest.raises(ValueError, match=words):
+            replace(whole, **change)
