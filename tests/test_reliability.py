@@ -1,20 +1,27 @@
 """Locks whose strengths scatter; characteristic and design resistance of a joint."""
 
+import json
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from chromium import needs_browser
+from command_runner import run as command
 from scipy.stats import binom, lognorm
 
 import sidmacib
-from sidmacib import Reliability, characteristic, design_resistance
+from sidmacib import characteristic, design_resistance
 from sidmacib.joint import Direction, Hold, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.rule import COARSE, first_failure, weakened
-from sidmacib.rule.reliability import Scatter, at_most_resists, scatter
+from sidmacib.rule.reliability import Reliability, Scatter, at_most_resists, scatter
 
 PURE_SHEAR = Direction(0.0)
 
@@ -120,3 +127,142 @@ def test_the_design_resistance_is_below_the_characteristic_value_over_the_factor
 def test_what_is_no_scatter_or_no_partial_factor_is_refused(given: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="is not allowed; it must be"):
         Reliability(*given)
+
+
+# --- in the command, and its calculation note ----------------------------------------------------
+GIVEN = ["-n", "9", "-a", "0.08", "-H", "0.06", "-e", "0.3"]
+NINE, DIRECTION = sidmacib.Joint(9, a=0.08, H=0.06), sidmacib.Direction(0.3)
+
+
+def run(*words: str, code: int = 0) -> str:
+    found = command(*words)
+    assert found.exit_code == code, found.output
+    return found.output
+
+
+def note_in(path: Path, *words: str) -> str:
+    run(*words, "--note", str(path))
+    return path.read_text(encoding="utf-8")
+
+
+def test_capacity_prints_characteristic_value_and_design_resistance() -> None:
+    options = ["-m", "law", "--scatter", "0.2", "--gamma-m", "1.5"]
+    rows = json.loads(run("capacity", *GIVEN, *options, "--format", "json"))
+    loads = {row["model"]: row["V (N)"] for row in rows}
+    assert list(loads) == ["law", "characteristic", "design"]
+    found = sidmacib.characteristic(NINE, DIRECTION, 0.2)
+    assert loads["characteristic"] == found.capacity.shear
+    design = sidmacib.design_resistance(NINE, DIRECTION, Reliability(0.2, 1.5))
+    assert loads["design"] == design.shear
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ([], "Strengths are taken as design values"),
+        (["--gamma-m", "1.5"], "Strengths are taken as characteristic values"),
+        (["--scatter", "0.2"], "Strengths are means with a scatter of 20 %; no gamma_M is given"),
+        (["--scatter", "0.2", "--gamma-m", "1.3"], "Strengths are means with a scatter of 20 %."),
+    ],
+)
+def test_the_last_line_says_what_strengths_are_taken_for(options: list[str], words: str) -> None:
+    last = run("capacity", "-n", "3", "-m", "law", *options).splitlines()[-1]
+    assert last.startswith(words)
+
+
+def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
+    options = ["--scatter", "0.2", "--gamma-m", "1.5", "--format", "json"]
+    rows = json.loads(run("joint", "-V", "150", *GIVEN[2:], *options))
+    reliability = Reliability(0.2, 1.5)
+    for row in rows:
+        joint = sidmacib.Joint(row["locks"], a=0.08, H=0.06)
+        shear = sidmacib.design_resistance(joint, DIRECTION, reliability).shear
+        assert (row["note"] == "strong enough") == (shear >= 150.0)
+        assert row["design V (N)"] in (None, shear)
+    assert rows[-1]["note"] == "strong enough"
+
+
+@pytest.mark.parametrize(
+    ("options", "shear", "by"),
+    [
+        ([], "300N", "the safe rule"),
+        (["--scatter", "20%"], "300N", "the design resistance"),
+        (["--scatter", "0.2", "--gamma-m", "1.5"], "140N", "the design resistance"),
+        (["-m", "law"], "400N", "the law"),
+    ],
+)
+def test_capacity_answers_as_joint(options: list[str], shear: str, by: str, tmp_path: Path) -> None:
+    words = [*GIVEN[:-2], *options, "-V", shear, "-e", "0.3"]
+    found = command("capacity", *words)
+    verdict, *_ = found.output.splitlines()
+    factor = float(re.search(r"factor (?:of|is) (\S+) by ", verdict)[1])
+    assert verdict.endswith(f" by {by}")
+    assert verdict.startswith("Yes: it carries V = " if factor >= 1 else "No: it does not carry V")
+    assert found.exit_code == (factor < 1.0)
+    if "-m" in options:
+        return
+    ended = command("joint", *words[2:], "--vary", "locks=9", "--all", "--format", "json")
+    (row,) = json.loads(ended.stdout.partition("Error")[0])
+    usage = next(value for name, value in row.items() if name.startswith("required / "))
+    assert usage is None or factor == pytest.approx(1 / usage, rel=5e-3)
+    note = tmp_path / "note.html"
+    command("capacity", *words, "--note", str(note))
+    noted = float(re.search(r"Utilisation (\S+):", note.read_text())[1])
+    assert noted == pytest.approx(1 / factor, rel=5e-3)
+
+
+def test_the_note_has_the_numbers_of_the_library(tmp_path: Path) -> None:
+    options = ["-m", "law", "--scatter", "0.2", "--gamma-m", "1.5"]
+    note = note_in(tmp_path / "note.html", "capacity", *GIVEN, *options)
+    design = sidmacib.design_resistance(NINE, DIRECTION, Reliability(0.2, 1.5))
+    whole = sidmacib.characteristic(NINE, DIRECTION, 0.2).capacity
+    shown = f"Design resistance: V = {design.shear:.4g} N, M = {design.torque:.4g} N m"
+    assert shown in note
+    assert f"V = {whole.shear:.4g} N" in note
+    assert f"<mn>{NINE.T0:.4g}</mn>" in note
+    for size in ("b = 50", "H = 60", "h = 8", "a = 80"):
+        assert size in note
+    assert "multilock 1." in note and "No laboratory test" in note
+    held = "what holds the joint down</td><td>pressure of 20000</td><td>Pa"
+    pressed = "--hold-down", "pressure:20kPa"
+    assert held in note_in(tmp_path / "note.html", "capacity", *GIVEN, *options, *pressed)
+    note = note_in(tmp_path / "note.html", "capacity", *GIVEN, *options, "--units", "kN")
+    shown = f"V = {design.shear / 1e3:.4g} kN, M = {design.torque:.4g} N m"
+    assert f"Design resistance: {shown}" in note
+
+
+def test_a_joint_that_was_sought_has_a_note_with_its_utilisation(tmp_path: Path) -> None:
+    words = ["joint", "-V", "300", *GIVEN[2:]]
+    rows = json.loads(run(*words, "--format", "json"))
+    note = note_in(tmp_path / "note.html", *words)
+    assert f"Utilisation {rows[-1]['required / safe']:.3f}: verified" in note
+
+
+@pytest.mark.parametrize("ratio", ["0", "torsion", "-0.4"])
+def test_the_note_is_well_formed_whole_and_the_same_each_time(tmp_path: Path, ratio: str) -> None:
+    words = ["capacity", "-n", "4", "-m", "law", "-e", ratio]
+    first = note_in(tmp_path / "note.html", *words)
+    assert first == note_in(tmp_path / "note.html", *words)
+    assert not re.search(r"(src|href)=|url\(|@import", first)
+    for kind in ("svg", "math"):
+        for part in re.findall(rf"<{kind}.*?</{kind}>", first, re.DOTALL):
+            ElementTree.fromstring(part)
+
+
+@pytest.mark.study
+@needs_browser
+def test_the_note_prints_on_two_pages_and_fits_a_telephone(tmp_path: Path, browser: Any) -> None:
+    path = tmp_path / "note.html"
+    note_in(path, "capacity", *GIVEN, "-m", "law", "--scatter", "0.2", "--gamma-m", "1.5")
+    page = browser.new_page(viewport={"width": 390, "height": 800})
+    page.goto(path.as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    printed = page.pdf(prefer_css_page_size=True)
+    page.close()
+    assert len(re.findall(rb"/Type\s*/Page\b(?!s)", printed)) <= 2
+
+
+def test_torsion_may_be_said_beside_the_torque() -> None:
+    alone = command("capacity", "-n", "5", "-M", "5Nm")
+    assert alone.output.startswith("Yes: it carries M = 5 N m with a factor of 1.2 ")
+    assert command("capacity", "-n", "5", "-M", "5Nm", "-e", "torsion").output == alone.output
