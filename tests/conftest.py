@@ -227,18 +227,6 @@ def run_case(case: JointCase, folder: Path) -> Path:
     return folder
 
 
-@pytest.fixture
-def broken_python(tmp_path: Path) -> Path:
-    """What may run YADE's scripts in place of Python, and breaks down in torsion."""
-    path = tmp_path / "broken-python"
-    path.write_text(
-        "#!/bin/sh\nif grep -q torsion joint.py; then echo engine broke down; exit 7; fi\n"
-        'exec /usr/bin/python3 "$@"\n'
-    )
-    path.chmod(0o755)
-    return path
-
-
 @pytest.fixture(scope="module")
 def served() -> Iterator[Any]:
     """The explorer, on a free port."""

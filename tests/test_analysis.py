@@ -57,13 +57,12 @@ def results_of(study: Study, distance: float, strength: tuple[float, ...]) -> li
 
 
 # --- weights -------------------------------------------------------------------------------------
-def test_sums_are_of_all_locks_rounded_down_and_of_the_lower_locks(results) -> None:
+def test_sums_are_of_all_and_of_lower_locks_and_friction_is_what_these_do_not_carry(
+    results,
+) -> None:
     (row,) = weight_sums(weights_table(results[:1])).itertuples()
     assert (row.weight_sum, row.weight_sum_floor) == (pytest.approx(1.5), 1)
     assert row.lower_weight_sum == pytest.approx(0.5)
-
-
-def test_friction_is_what_the_lower_locks_do_not_carry(results) -> None:
     assert friction_share(results[0]) == pytest.approx(1.0 - 120.0 / results[0].part.shear_N)
     assert math.isnan(friction_share(results[-1]))
 

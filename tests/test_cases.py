@@ -212,32 +212,25 @@ def test_a_case_survives_json_exactly(
 
 
 # --- many ----------------------------------------------------------------------------------------
-def many(samples: int, ratios: int) -> dict[str, Any]:
-    return {
-        "samples": {f"s{i}": {"locks": 3, "a": 0.05 + 1e-4 * i} for i in range(samples)},
-        "meshes": [0.02, 0.01],
-        "eccentricities": [0.001 * i for i in range(ratios)],
-        "models": ["static"],
-        "dem": {"engines": []},
-    }
 
 
-def test_ten_thousand_cases_are_built_at_once_and_share_their_joints() -> None:
-    study = read_study(many(10, 500))
+def test_many_cases_are_built_at_once_and_too_many_are_refused_before() -> None:
+    config = {"meshes": [0.02, 0.01], "models": ["static"], "dem": {"engines": []}}
+    config["eccentricities"] = [0.001 * i for i in range(500)]
+    few, many = (
+        read_study(
+            config | {"samples": {f"s{i}": {"locks": 3, "a": 0.05 + 1e-4 * i} for i in part}}
+        )
+        for part in (range(10), range(1001))
+    )
     start = time.process_time()
-    cases = cases_of(study)
-    assert time.process_time() - start < 2.0
-    assert len(cases) == case_count(study) == 10_000
-    assert len({id(case.subject.joint) for case in cases.values()}) == 10
-
-
-def test_more_cases_than_can_be_handled_are_refused_before_they_are_built() -> None:
-    study = read_study(many(1001, 500))
-    start = time.process_time()
+    cases = cases_of(few)
     words = r"^study: 1,001,000 cases .* are too many; at most 1,000,000 are allowed$"
     with pytest.raises(ConfigError, match=words):
-        cases_of(study)
+        cases_of(many)
     assert time.process_time() - start < 2.0
+    assert len(cases) == case_count(few) == 10_000
+    assert len({id(case.subject.joint) for case in cases.values()}) == 10  # which they share
 
 
 # --- batches and jobs, what they ask of a cluster, one run at a time -----------------------------

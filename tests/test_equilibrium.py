@@ -68,12 +68,6 @@ def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
     assert natural_frequencies(cube) == pytest.approx(expected, rel=1e-3)  # finite cells
 
 
-def test_frequencies_do_not_depend_on_the_length_that_measures_rotations(joint: Joint) -> None:
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    other = replace(model, length=37.0 * model.length)
-    assert natural_frequencies(other) == pytest.approx(natural_frequencies(model), rel=1e-9)
-
-
 def test_compliance_of_a_block_under_torque_is_that_of_its_polar_moment(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.INNER, mesh=0.01)
     xy = model.nodes.position[:, :2] - model.pieces[1].centre[:2]

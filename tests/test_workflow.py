@@ -249,9 +249,13 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
 
 
 @pytest.mark.engine
-def test_a_failed_case_is_named_and_tried_again(workspace: Workspace, broken_python: Path) -> None:
+def test_a_failed_case_is_named_and_tried_again(workspace: Workspace) -> None:
+    engine = workspace.folder / "breaks-down-in-torsion"  # in place of Python
+    broken = "if grep -q torsion joint.py; then echo engine broke down; exit 7; fi"
+    engine.write_text(f'#!/bin/sh\n{broken}\nexec /usr/bin/python3 "$@"\n')
+    engine.chmod(0o755)
     workspace.configure({**SMALL, "eccentricities": [0, "torsion"], "variants": {}})
-    found = workspace.snakemake(YADE_PYTHON=str(broken_python))
+    found = workspace.snakemake(YADE_PYTHON=str(engine))
     assert found.returncode != 0
     reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7: engine broke down"
     assert reason in found.stderr
