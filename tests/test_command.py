@@ -239,7 +239,7 @@ def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
         ("joint -V 3 --vary a=1 --price area=0", "must be more than 0"),
         ("build --clearance 5kN", "5kN is a force; it must be a length, such as 80mm"),
         ("build --clearance -1mm", "--clearance: '-1mm' is not allowed; it must be at least 0 (m)"),
-        (f"build {ROOT}/studies/arch/arch_with_locks.yaml -n 5", "--locks: is for a joint"),
+        (f"build {ROOT}/studies/arch/arch_with_locks.yaml -n 5 -o none", "--locks: is for a joint"),
         ("law --file /dev/zero", "--file /dev/zero: not a file"),
         ("law --file /", "--file /: not a file"),
         ("law --file /none", "--file /none: No such file or directory"),

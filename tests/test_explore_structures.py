@@ -103,7 +103,7 @@ def test_a_model_without_an_answer_says_why() -> None:
 
 # --- requests ------------------------------------------------------------------------------------
 def test_a_request_is_answered_for_what_the_sliders_allow(served: Served) -> None:
-    asked = {"page": "test", "number": 3, "values": {"structure": "wall", "friction": 7}}
+    asked = {"page": "wall", "number": 3, "values": {"structure": "wall", "friction": 7}}
     found = served.post("/structure", asked)
     assert found.status == 200, found.text
     assert found.content["number"] == 3
