@@ -43,18 +43,6 @@ from workflow.step import KilledError
 # --- which there are -----------------------------------------------------------------------------
 
 
-def test_a_direction_is_carried_exactly_as_configured_whatever_the_locks_length() -> None:
-    ratios = [0.1, 1 / 3, 0.30000000000000004]
-    samples = {"long": {"locks": 3, "a": 0.07}, "short": {"locks": 3, "a": 0.03}}
-    config = {"samples": samples, "eccentricities": ratios, "meshes": [0.02]}
-    cases = cases_of(read_study(config)).values()
-    for sample in samples:
-        selected = [c for c in cases if c.subject.sample == sample and c.model == "yade"]
-        assert [case.subject.direction.eccentricity for case in selected] == ratios
-        expected = [ratio * samples[sample]["a"] for ratio in ratios]
-        assert [case.subject.eccentricity_m for case in selected] == expected
-
-
 def test_a_variant_changes_what_it_names_where_it_says() -> None:
     variants = {"soft": {"failure": "ductile", "meshes": [0.02], "eccentricities": [0]}}
     cases = cases_of(read_study(merged(variants=variants, **BOTH)))

@@ -32,10 +32,10 @@ def made_up(mesh: float, model: str = "static", load: float = LIMIT, **names: An
 
 
 # --- of loads ------------------------------------------------------------------------------------
-ANY = st.sampled_from(NodeLayout), st.sampled_from(LoadKind)
+LAYOUTS, KINDS = st.sampled_from(NodeLayout), st.sampled_from(LoadKind)
 
 
-@given(slope=st.floats(-1.0, 1.0), order=st.floats(1.0, 4.0), layout=ANY[0], kind=ANY[1])
+@given(slope=st.floats(-1.0, 1.0), order=st.floats(1.0, 4.0), layout=LAYOUTS, kind=KINDS)
 def test_the_error_of_loads_that_converge_faster_is_on_the_safe_side(
     slope: float, order: float, layout: NodeLayout, kind: LoadKind
 ) -> None:

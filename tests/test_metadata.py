@@ -163,8 +163,8 @@ def test_an_extra_adds_to_what_a_study_needs(name: str) -> None:
     assert not pins("requirements.txt").keys() & pins(name).keys()
 
 
-def _imported(*folders: str) -> set[str]:
-    """Names of the packages that the files in ``folders`` import."""
+def imported_by(*folders: str) -> tuple[set[str], set[str]]:
+    """Names that the files in ``folders`` import, and the packages that have them."""
     found: set[str] = set()
     for path in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
@@ -172,13 +172,13 @@ def _imported(*folders: str) -> set[str]:
                 found |= {alias.name.partition(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 found.add(node.module.partition(".")[0])
-    return found
+    known = packages_distributions()
+    return found, {canonicalize_name(each) for name in found for each in known.get(name, ())}
 
 
 def test_every_dependency_is_used() -> None:
-    imported = _imported("sidmacib", "workflow", "analysis", "studies", "benchmarks", "tests")
-    known = packages_distributions()
-    used = {canonicalize_name(package) for name in imported for package in known.get(name, ())}
+    folders = ("sidmacib", "workflow", "analysis", "studies", "benchmarks", "tests")
+    imported, used = imported_by(*folders)
     asked = {
         canonicalize_name(Requirement(text).name)
         for texts in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values())
@@ -191,9 +191,7 @@ def test_every_dependency_is_used() -> None:
 
 def test_the_library_needs_no_more_than_it_imports() -> None:
     """Who wants one number for one joint installs no workflow."""
-    imported = _imported("sidmacib")
-    known = packages_distributions()
-    used = {canonicalize_name(package) for name in imported for package in known.get(name, ())}
+    imported, used = imported_by("sidmacib")
     asked = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
     used |= asked & imported  # a package of one module is not in `packages_distributions`
     assert asked - NOT_IMPORTED == used - {"multilock", "pydantic-core"}  # pydantic itself

@@ -2,7 +2,7 @@
 
 import importlib
 import math
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import Any
 
 import pytest
@@ -84,14 +84,6 @@ def test_a_solved_model_returns_what_its_abilities_promise(name: str) -> None:
     assert (peak.displacement is not None) == (name == "static")
     assert (outcome.first_failure_load is not None) == (Ability.FIRST_FAILURE in model.abilities)
     assert (len(outcome.path) > 1) == (Ability.PROGRESSIVE in model.abilities)
-
-
-@pytest.mark.parametrize("name", SOLVED)
-def test_friction_matters_to_the_models_that_know_it_only(name: str) -> None:
-    rough, smooth = Joint(3), Joint(3, dry=replace(Joint(3).dry, friction=0.0))
-    one, other = (solved(name, joint).path[-1].load for joint in (rough, smooth))
-    known = Ability.FRICTION in MODELS[name].abilities
-    assert (one == pytest.approx(other, rel=1e-6)) is not known
 
 
 # --- loads that are known not to be carried ------------------------------------------------------
