@@ -118,6 +118,10 @@ def test_a_joint_has_the_same_load_at_every_door(name: str) -> None:
     }
     (printed,) = answers("capacity", *(str(part) for pair in given.items() for part in pair))
     assert printed["V (N)"] == pytest.approx(shear, rel=1e-9)
+    first = found.solution.first_failure_load / found.load
+    assert printed["first failure / load"] == pytest.approx(first, rel=1e-6)
+    assert printed["peak spread"] == found.solution.spread
+    assert ("lowest peak found" in printed["note"]) == (found.why == "lowest peak found")
     case = a_case("static", joint, Loading(direction), meshes(joint)[1], NodeLayout.LOBATTO)
     problem = case.subject.problem()
     record = record_of(case, problem, solve(problem), {})

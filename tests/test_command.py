@@ -111,17 +111,6 @@ def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
     assert points.get_xdata() == pytest.approx([row["V (N)"] for row in rows])
 
 
-def test_the_static_model_reports_the_lowest_of_its_peaks_and_the_first_failure() -> None:
-    (row,) = answers("capacity", "-n", "11", "-e", "1", "-m", "static")
-    assert row["peak spread"] > 0.05
-    assert row["note"] == "lowest peak found"
-    load = row["V (N)"] / Direction(1.0).shear
-    assert load == pytest.approx(155.9, rel=5e-3)
-    assert row["first failure / load"] * load == pytest.approx(143.39, rel=1e-4)
-    (steady,) = answers("capacity", "-n", "5", "-m", "static")
-    assert steady["peak spread"] == 0.0
-
-
 def test_weights_are_those_of_each_lock() -> None:
     rows = answers("weights", "-n", "5", "-e", "0.3")
     joint = Joint(5)

@@ -170,6 +170,7 @@ def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) 
     assert sum(REDUCTIONS[rule](heavy, (0.5, 0.5, 0.0))) == 1.0
 
 
+PAIR = ContactOption.pair(0.25)
 DIRECTIONS = [Direction(e) for e in (0.0, 0.2, -0.2, 1.0, -5.0, math.inf, -math.inf)]
 DIFFERENT = {1: OwnLock(width=0.09, inner=replace(INNER, cohesion=2e5)), 2: OwnLock(density=9e3)}
 
@@ -204,14 +205,10 @@ def test_loads_are_those_of_the_linear_programme(
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * joint.T0)
 
 
-def test_the_friction_that_a_model_leaves_out_carries_nothing(joint: Joint) -> None:
-    model = Sidmacib(joint, ContactOption.pair(0.25), friction=False)
-    torsion = pair_loads(model, [Direction(math.inf)])
+def test_without_friction_torsion_and_without_pressure_no_shear_is_carried(joint: Joint) -> None:
+    torsion = pair_loads(Sidmacib(joint, PAIR, friction=False), [Direction(math.inf)])
     assert torsion == pytest.approx(0.25 * joint.locks * joint.T0)
-
-
-def test_without_any_pressure_no_shear_is_carried(joint: Joint) -> None:
-    model = Sidmacib(replace(joint, density=0.0), ContactOption.pair(0.25), overload=0.0)
+    model = Sidmacib(replace(joint, density=0.0), PAIR, overload=0.0)
     assert pair_loads(model, [Direction(0.0)]) == 0.0
 
 
