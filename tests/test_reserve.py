@@ -13,7 +13,7 @@ from structures import CUBE, GROUND, dry, example, study
 
 from sidmacib import limit_load, static_peak
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, Vector
-from sidmacib.structure.analysis.forces import InterfaceForce, interface_forces
+from sidmacib.structure.analysis.forces import InterfaceRow, interface_forces
 from sidmacib.structure.analysis.reserve import geometrical_factor, least_push, pushes
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, permanent_only
@@ -128,7 +128,7 @@ def on_ground(sizes: Vector, material: FaceMaterial) -> Assembly:
     return structure([GROUND, box("block", (0.0, 0.0, 0.0), sizes, 2e3)], material)
 
 
-def at_peak(assembly: Assembly, loads: Loads) -> tuple[InterfaceForce, ...]:
+def at_peak(assembly: Assembly, loads: Loads) -> tuple[InterfaceRow, ...]:
     peak = static_peak(assembly, loads).peak
     return interface_forces(assembly, peak.force, peak.state)
 
@@ -161,7 +161,7 @@ def test_a_block_that_overturns_or_slides_uses_its_face_up(
     (face,) = at_peak(assembly, acceleration(assembly, (1.0, 0.0, 0.0)))
     assert face.utilisation == pytest.approx(1.0, abs=1e-3)
     assert face.eccentricity == pytest.approx(edge, abs=1e-3)
-    assert face.shear / face.normal == pytest.approx(slope, rel=1e-3)
+    assert face.shear_N / face.normal_N == pytest.approx(slope, rel=1e-3)
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
@@ -187,7 +187,7 @@ def test_a_face_that_turns_about_its_normal_is_used_up_by_torsion() -> None:
     loads = force_at(assembly, "block", (0.0, 0.2, 0.1), (0.0, 1.0, 0.0))
     (face,) = at_peak(assembly, loads)
     assert face.utilisation == pytest.approx(1.0, abs=0.1)  # shear and torsion on an ellipse
-    assert face.shear / (0.3 * face.normal) < 0.95  # it does not slide as a whole
+    assert face.shear_N / (0.3 * face.normal_N) < 0.95  # it does not slide as a whole
 
 
 def test_opposed_shear_of_nodes_uses_no_friction() -> None:
@@ -211,5 +211,5 @@ def test_a_bonded_face_is_used_as_its_most_used_node() -> None:
     (face,) = interface_forces(assembly, first.force, first.state)
     tension = -first.force[:, 0] / assembly.nodes.area / 5e4
     shear = np.hypot(first.force[:, 1], first.force[:, 2]) / assembly.nodes.area / 5e4
-    assert face.bonded == 1.0
+    assert face.bonded_share == 1.0
     assert face.utilisation == pytest.approx(max(tension.max(), shear.max()), rel=1e-9)
