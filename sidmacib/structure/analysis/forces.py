@@ -91,26 +91,11 @@ def interface_forces(
                 most = max(off, _rubbing(face, places - at, on_nodes, limit[nodes], nothing))
         if number in crushing:
             most = max(most, float(crushing[number][0]))
-        found.append(
-            InterfaceRow(
-                face.name,
-                str(face.kind),
-                rounded(face.area),
-                material.friction,
-                material.cohesion,
-                material.tensile_strength,
-                normal,
-                float(np.hypot(*shear)),
-                float(moment[0]),
-                float(np.hypot(*moment[1:])),
-                off,
-                most,
-                bonded,
-                None,
-                *(whole @ face.axes).tolist(),
-                *((None, None, None) if at is None else at.tolist()),
-            )
-        )
+        law_of = material.friction, material.cohesion, material.tensile_strength
+        resultants = normal, float(np.hypot(*shear)), float(moment[0]), float(np.hypot(*moment[1:]))
+        vectors = *(whole @ face.axes).tolist(), *((None,) * 3 if at is None else at.tolist())
+        of_face = face.name, str(face.kind), rounded(face.area), *law_of
+        found.append(InterfaceRow(*of_face, *resultants, off, most, bonded, None, *vectors))
     return tuple(found)
 
 

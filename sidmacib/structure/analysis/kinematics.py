@@ -37,7 +37,6 @@ from sidmacib.mechanics.optimisation import solve
 from sidmacib.structure.analysis.contacts import (
     Contacts,
     Placement,
-    Side,
     contacts_of,
     meeting,
     sides_of,
@@ -89,22 +88,19 @@ class Path:
     met: tuple[str, str] | None = None
 
 
-@dataclass(frozen=True, eq=False)
 class Kinematics:
-    """The blocks of ``assembly`` and the sides of its joints under ``loads``, which drive them."""
+    """The blocks of ``assembly`` and their joints under ``loads``, which drive them.
 
-    assembly: Assembly
-    sides: tuple[tuple[Side, Side], ...]
-    loads: Loads
+    `CapacityError` where gravity turns or blocks may be crushed, and of bonds.
+    """
 
-    @classmethod
-    def of(cls, assembly: Assembly, loads: Loads) -> "Kinematics":
-        """`CapacityError` where gravity turns or blocks may be crushed, and of bonds."""
+    def __init__(self, assembly: Assembly, loads: Loads) -> None:
         if loads.axis is not None:
             raise CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
         if crushed_faces(assembly):
             raise CapacityError(f"{WHAT}: blocks are not crushed; leave out compressive_strength")
-        return cls(assembly, tuple(sides_of(assembly, face) for face in assembly.faces), loads)
+        self.assembly, self.loads = assembly, loads
+        self.sides = [sides_of(assembly, face) for face in assembly.faces]
 
     def start(self) -> Position:
         """Where the blocks were built; errors of `position`."""
@@ -269,15 +265,14 @@ class CapacityCurve:
     def end(self) -> str:
         """What happens at the last displacement, in words."""
         last = f"{self.displacement[-1]:.4g} m"
-        if self.path.end == REACHED:
-            return f"the load falls to 0 at {last}"
-        if self.path.end == FALL:
-            return f"the blocks fall at {last}, whatever the load"
-        if self.path.end == WEDGE:
-            return f"the blocks wedge at {last}: the load grows without limit"
-        if self.path.met:
-            return f"{' and '.join(self.path.met)} meet at {last}, where the curve ends"
-        return f"followed to {last}"
+        words = {
+            REACHED: f"the load falls to 0 at {last}",
+            FALL: f"the blocks fall at {last}, whatever the load",
+            WEDGE: f"the blocks wedge at {last}: the load grows without limit",
+            MEET: f"{' and '.join(self.path.met or ())} meet at {last}, where the curve ends",
+            FURTHER: f"followed to {last}",
+        }
+        return words[self.path.end]
 
 
 def capacity_curve(assembly: Assembly, loads: Loads) -> CapacityCurve:
@@ -288,7 +283,7 @@ def capacity_curve(assembly: Assembly, loads: Loads) -> CapacityCurve:
     """
     if isinstance(loads, SupportMotion):
         loads.require_proportional()
-    kinematics = Kinematics.of(assembly, loads)
+    kinematics = Kinematics(assembly, loads)
     path = kinematics.path(lambda position: position.load <= 0.0)
     found = path.positions
     load, moved = np.array([(each.load, each.moved) for each in found]).T

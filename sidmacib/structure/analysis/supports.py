@@ -108,7 +108,7 @@ def greatest_reaction(assembly: Assembly, loads: SupportMotion) -> Reaction | No
 
 
 def _reaction(assembly: Assembly, loads: SupportMotion, sign: float) -> Reaction:
-    kinematics = Kinematics.of(assembly, loads)
+    kinematics = Kinematics(assembly, loads)
     try:
         start = kinematics.start()
     except InfeasibleError:
@@ -124,7 +124,7 @@ def support_path(assembly: Assembly, loads: SupportMotion) -> SupportPath:
 
     Errors of `least_reaction`.
     """
-    kinematics = Kinematics.of(assembly, loads)
+    kinematics = Kinematics(assembly, loads)
     free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
 
     def stands_alone(here: Position) -> bool:
@@ -194,21 +194,12 @@ def _on_spring(assembly: Assembly, loads: SupportMotion) -> tuple[Assembly, Load
     )
     stiffness = STIFFER * stiffest / size**2
     half = size / 2.0
-    law = FaceMaterial(stiffness, stiffness, 0.0, STRONG, STRONG)
     pieces = list(assembly.pieces)
     pieces[loads.support] = replace(support, fixed=False)
     pieces.append(replace(support, name=GROUND))
-    x, y, z = middle.tolist()
-    spring = Polygon(
-        GROUND,
-        Kind.INNER,
-        law,
-        len(pieces) - 1,
-        loads.support,
-        np.eye(3),
-        (x, y, z),
-        shapely.box(-half, -half, half, half),
-    )
+    law = FaceMaterial(stiffness, stiffness, 0.0, STRONG, STRONG)
+    ends, square = (len(pieces) - 1, loads.support), shapely.box(-half, -half, half, half)
+    spring = Polygon(GROUND, Kind.INNER, law, *ends, np.eye(3), middle.tolist(), square)
     corners = np.array([(0.0, p, q) for p in (-half, half) for q in (-half, half)])
     nodes = Nodes(
         np.append(assembly.nodes.face, [len(assembly.faces)] * 4),
@@ -217,11 +208,11 @@ def _on_spring(assembly: Assembly, loads: SupportMotion) -> tuple[Assembly, Load
     )
     motion = loads.motion(middle)
     turning = size**2 / 4.0 * np.array([2.0, 1.0, 1.0])  # second moments of the nodes' areas
-    force = stiffness * size**2 * np.concatenate([motion[:3], turning * motion[3:]])
-    zero, variable = np.zeros((1, 6)), np.zeros((len(pieces), 6))
-    variable[loads.support] = force
+    permanent, variable = np.zeros((2, len(pieces), 6))
+    permanent[:-1] = loads.permanent
+    wrench = np.concatenate([motion[:3], turning * motion[3:]])
+    variable[loads.support] = stiffness * size**2 * wrench
     sprung = replace(assembly, pieces=tuple(pieces), faces=(*assembly.faces, spring), nodes=nodes)
-    permanent = np.concatenate([loads.permanent, zero])
     return sprung, Loads(permanent, variable, loads.scale)
 
 

@@ -127,21 +127,16 @@ def with_interfaces(content: dict[str, Any], assembly: Assembly, force: Floats) 
         if above in edges and below in edges[above] and above not in edges.get(below, {}):
             del edges[above][below]  # forces are those on the second block
         edge = edges.setdefault(below, {}).setdefault(above, {"interfaces": []})
-        edge["interfaces"].append(
-            _object(INTERFACE, _interface(contact, area), str(contact["polygon"]))
-        )
+        data = {
+            "points": _lists(contact["polygon"]),
+            "size": area,
+            "frame": _frame(contact),
+            "forces": _forces(contact),
+            "mesh": None,
+        }
+        edge["interfaces"].append(_object(INTERFACE, data, str(contact["polygon"])))
     graph["edge"] = edges
     return content
-
-
-def _interface(contact: Mapping[str, Any], area: float) -> dict[str, Any]:
-    return {
-        "points": _lists(contact["polygon"]),
-        "size": area,
-        "frame": _frame(contact),
-        "forces": _forces(contact),
-        "mesh": None,
-    }
 
 
 def _forces(contact: Mapping[str, Any]) -> list[dict[str, float]]:

@@ -26,9 +26,6 @@ from sidmacib.structure.pressures import pressing
 from sidmacib.validation import refused
 
 Newtons = Annotated[float, Number(above=0, unit="N")]
-OverWeight = Annotated[float, Number(above=0)]
-_Pressure = Annotated[float, Number(unit="Pa")]
-_AtLeastNone = Annotated[float, Number(at_least=0, unit="Pa")]
 _Level = Annotated[float, Number(unit="m")]
 _Within = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
 _Range = Annotated[tuple[float, float], Span(Number(unit="m"))]
@@ -101,7 +98,7 @@ class PressureSection(_OnSides):
 
     side: Way
     """direction in which the faces look outwards"""
-    pascals: _Pressure
+    pascals: Annotated[float, Number(unit="Pa")]
     """the pressure, Pa; suction if it is negative"""
     within: _Within = 10.0
     """degrees between `side` and the outward normals of the faces; 90: all that look that way"""
@@ -152,7 +149,7 @@ class EarthSection(_OnSides):
     coefficient: Annotated[float, Number(above=0)]
     """of earth pressure, such as Rankine's (1 - sin φ) / (1 + sin φ)"""
     density: Density = SOIL
-    surcharge: _AtLeastNone = 0.0
+    surcharge: Annotated[float, Number(at_least=0, unit="Pa")] = 0.0
     """vertical load on its surface, Pa"""
     within: _Within = 10.0
     """degrees between `side` and the outward normals of the faces; 90: all that look that way"""
@@ -282,7 +279,7 @@ class _Raised(_Pushed):
 class _Amount(Keys):
     newtons: Newtons | None = None
     """how much is to be carried, N: whether it is, `multilock assembly` and studies say"""
-    over_weight: OverWeight | None = None
+    over_weight: Annotated[float, Number(above=0)] | None = None
     """or that over the weight of what can move"""
 
     def amount(self, assembly: Assembly | None) -> float | None:
