@@ -1,7 +1,7 @@
 """Interfaces: where faces of two blocks lie in one plane and overlap."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 
@@ -165,6 +165,11 @@ def mean_size(blocks: Sequence[Block]) -> float:
     return float(np.mean(free or [block.size for block in blocks]))
 
 
+def in_order(found: Iterable[Interface]) -> tuple[Interface, ...]:
+    """Interfaces in the order of their blocks, then of their places."""
+    return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
+
+
 def joined(found: Sequence[Interface], pieces: Sequence[int], near: float) -> tuple[Interface, ...]:
     """Interfaces between pieces from ``found`` ones between the solids that these consist of.
 
@@ -176,12 +181,7 @@ def joined(found: Sequence[Interface], pieces: Sequence[int], near: float) -> tu
         below, above = pieces[each.below], pieces[each.above]
         if below != above:
             regions.setdefault((below, above), []).append(replace(each, below=below, above=above))
-    return tuple(
-        sorted(
-            (whole for same in regions.values() for whole in _whole(same, near)),
-            key=lambda each: (each.below, each.above, each.middle),
-        )
-    )
+    return in_order(whole for same in regions.values() for whole in _whole(same, near))
 
 
 def _whole(parts: list[Interface], near: float) -> Iterator[Interface]:

@@ -230,11 +230,8 @@ class FileSection(Keys):
             if not paths:
                 raise refused("file", self.file, "a pattern that fits a file")
             several = len(paths) > 1
-            found = [
-                block
-                for path in paths
-                for block in self._in(f"{name}-{path.stem}" if several else name, path)
-            ]
+            begin = [f"{name}-{path.stem}" if several else name for path in paths]
+            found = [b for each in zip(begin, paths, strict=True) for b in self._in(*each)]
             if several or not self.file.endswith(".json"):  # of COMPAS nodes are fixed
                 found = self._fixed(name, found)
             if self.length is None and not self.file.endswith(".3dm"):
@@ -276,8 +273,6 @@ class FileSection(Keys):
         if self.fixed is None:
             return blocks
         names = [block.name.removeprefix(f"{name}-") for block in blocks]
-        if isinstance(self.fixed, bool):
-            held = set(names) if self.fixed else set()
-        else:
-            held = chosen(self.fixed, names, "true, false, or a list of")
+        asked = ["*"] * self.fixed if isinstance(self.fixed, bool) else self.fixed
+        held = chosen(asked, names, "true, false, or a list of")
         return [replace(b, fixed=own in held) for b, own in zip(blocks, names, strict=True)]

@@ -27,7 +27,7 @@ from sidmacib.structure.files.repair import (
     repaired,
     with_depth,
 )
-from sidmacib.structure.interfaces import Interface, tangents
+from sidmacib.structure.interfaces import Interface, in_order, tangents
 
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
 BLOCK = "compas_assembly.datastructures/Block"
@@ -120,7 +120,7 @@ def read_compas_interfaces(
         below, above = sorted((nodes[one], nodes[other]))
         if not (blocks[below].fixed and blocks[above].fixed):
             found.append(_interface(name, below, above, corners @ frame.T, blocks[below]))
-    return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
+    return in_order(found)
 
 
 def _interface(name: str, below: int, above: int, corners: Floats, block: Block) -> Interface:

@@ -18,7 +18,7 @@ from sidmacib.structure.files.sections import (
     StructureFile,
 )
 from sidmacib.structure.files.selection import chosen_pairs
-from sidmacib.structure.interfaces import NEAR, Interface, interfaces, touching
+from sidmacib.structure.interfaces import NEAR, Interface, in_order, interfaces, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import Pair, rows_of, structure
@@ -199,7 +199,7 @@ def _of_files(
         for each in touching([block for blocks in made for block in blocks], given.tolerance):
             if entry[each.below] != entry[each.above] or entry[each.below] not in brings:
                 found.append(each)
-    return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
+    return in_order(found)
 
 
 def permanent_of(assembly: Assembly, description: Mapping[str, Any]) -> Permanent:
