@@ -110,8 +110,8 @@ def run_engine(
 
 def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> str | None:
     """Why the engine cannot compute ``assembly``, or ``loads`` on it; None if it can."""
-    beside = getattr(loads, "beside", None)
-    if loads is not None and loads.axis is not None and beside is not None and beside.size > 0.0:
+    beside = getattr(loads, "beside", None)  # of a structure
+    if loads is not None and loads.axis is not None and beside and beside.wrenches.any():
         return "gravity turns beside other permanent loads; engines turn all permanent loads"
     if reason := _structure_refusal(engine, assembly):
         return reason

@@ -109,7 +109,6 @@ def _weaker(assembly: Assembly, factor: float) -> Assembly:
 
 
 def _stands(assembly: Assembly, loads: Loads) -> bool:
-    """Whether admissible forces balance the ``loads``."""
     try:
         require_standing(assembly, loads, friction=True)
     except InfeasibleError:

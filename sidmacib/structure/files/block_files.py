@@ -113,7 +113,6 @@ def _in_obj(path: Path) -> dict[str, Surface]:
 
 
 def _triangles(path: Path) -> dict[str, Surface]:
-    """The surface of each mesh that trimesh reads."""
     return {
         name: (np.asarray(mesh.vertices, float), [(a, b, c) for a, b, c in mesh.faces.tolist()])
         for name, mesh in trimesh.load_scene(path, process=False).geometry.items()
@@ -163,7 +162,6 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], float]:
 
 
 def _joined(meshes: list[Any]) -> Surface:
-    """Several meshes as one surface."""
     places: list[tuple[float, float, float]] = []
     faces: list[Face] = []
     for mesh in meshes:
@@ -269,7 +267,6 @@ class FileSection(Keys):
         return [replace(b, name=name if alone else f"{name}-{k}") for k, b in bodies.items()]
 
     def _fixed(self, name: str, blocks: list[Block]) -> list[Block]:
-        """``blocks`` of which those that cannot move are fixed."""
         if self.fixed is None:
             return blocks
         names = [block.name.removeprefix(f"{name}-") for block in blocks]

@@ -190,7 +190,6 @@ def graph_in(content: Any) -> Mapping[str, Any]:
 
 
 def _contacts(edge: Mapping[str, Any]) -> Iterator[list[Any]]:
-    """The corners of each contact of two blocks."""
     if edge.get("interface_points"):  # COMPAS before 1
         yield edge["interface_points"]
     contacts = edge.get("interfaces") or edge.get("contacts") or []
@@ -204,8 +203,8 @@ def _nodes(content: Any, name: str) -> list[_Node]:
     """The nodes in what a file holds; ``name``: begins those of their blocks."""
     if isinstance(content, list):
         alone = [mesh for each in content for mesh in (each if isinstance(each, list) else [each])]
-        meshes = {str(number): data_of(mesh, MESH, BLOCK) for number, mesh in enumerate(alone)}
-        return [_node(node, mesh, name, False) for node, mesh in meshes.items()]
+        meshes = [data_of(mesh, MESH, BLOCK) for mesh in alone]
+        return [_node(str(number), mesh, name, False) for number, mesh in enumerate(meshes)]
     held = data_of(content, *KINDS)
     if "vertex" in held and "face" in held:
         places, bodies = bodies_in(*_surface(name, held))
@@ -290,7 +289,6 @@ def _numbers(values: Any) -> Floats:
 
 
 def _surface(name: str, mesh: Mapping[str, Any]) -> Surface:
-    """The vertices of a mesh, (V, 3), and its faces."""
     vertices, faces = mesh["vertex"], mesh["face"]
     order = {key: place for place, key in enumerate(vertices)}
     try:

@@ -198,7 +198,6 @@ def _turned(force: Floats) -> Floats:
 
 
 def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """All contacts between two blocks."""
     keys = ("points", "force", "normal", "tangent1", "tangent2")
     every = {key: np.concatenate([each[key] for each in contacts]) for key in keys}
     resultant = every["force"].sum(axis=0)

@@ -188,16 +188,6 @@ class PermanentSection(Keys):
             raise ValueError(f"must have one key, {', '.join(PermanentSection.model_fields)}")
         return self
 
-    def on(self, assembly: Assembly, near: float) -> Permanent:
-        """The load on ``assembly``; ValueError that names the key."""
-        (key,) = self.model_fields_set
-        try:
-            found: Permanent = getattr(self, key).on(assembly, near)
-        except ValueError as error:
-            text = str(error)
-            raise ValueError(f"{key}{'.' if text.startswith('block: ') else ': '}{text}") from None
-        return found
-
 
 def permanent_on(
     assembly: Assembly,
@@ -208,10 +198,12 @@ def permanent_on(
     """All loads of a list ``given`` at ``key``; ValueError that names one."""
     whole = Permanent.none(len(assembly.pieces))
     for number, each in enumerate(given, start=1):
+        (kind,) = each.model_fields_set
         try:
-            whole += each.on(assembly, near)
+            whole += getattr(each, kind).on(assembly, near)
         except ValueError as error:
-            raise ValueError(f"{key}.{number}.{error}") from None
+            words = f"{'.' if str(error).startswith('block: ') else ': '}{error}"
+            raise ValueError(f"{key}.{number}.{kind}{words}") from None
     return whole
 
 
@@ -303,10 +295,9 @@ class LoadSection(_Amount, _Raised):
             raise ValueError("must have one key, acceleration, force, tilt or support")
         if len(amounts) == 2:
             raise ValueError("must have either newtons or over_weight")
-        for key in amounts if self.tilt or self.support else ():
-            raise ValueError(
-                f"{key}: must not be given beside {'tilt' if self.tilt else 'support'}"
-            )
+        moves = self.model_fields_set & {"tilt", "support"}
+        if amounts and moves:
+            raise ValueError(f"{amounts.pop()}: must not be given beside {moves.pop()}")
         return self
 
     def on(self, assembly: Assembly, beside: Permanent | None, key: str = "load") -> Loads:
