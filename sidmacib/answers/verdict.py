@@ -137,10 +137,8 @@ def governing(verdicts: Sequence[Verdict]) -> int:
     """The index of the verdict that governs: one without an answer, else the lowest factor."""
 
     def key(number: int) -> tuple[bool, float]:
-        each = verdicts[number]
-        if each.factor is None:
-            return each.passes, math.inf if each.passes else -1.0
-        return each.passes, each.factor
+        passes, factor = verdicts[number].passes, verdicts[number].factor
+        return passes, (math.inf if passes else -1.0) if factor is None else factor
 
     return min(range(len(verdicts)), key=key)
 

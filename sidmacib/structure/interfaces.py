@@ -10,7 +10,7 @@ import shapely
 
 from sidmacib.mechanics.assembly import CLOSE, Floats, Vector
 from sidmacib.structure.blocks import Block, normal_of, vectors
-from sidmacib.structure.overlaps import WIDEST, meeting_boxes, require_apart, tolerance_for
+from sidmacib.structure.overlaps import WIDEST, deepest_overlap, meeting_boxes, tolerance_for
 from sidmacib.validation import refused
 
 NEAR = 1e-6  # over the mean size of the blocks: how far faces in one plane may be apart
@@ -34,6 +34,10 @@ class Interface:
     axes: Floats
     middle: Vector
     outline: shapely.Polygon
+
+    def pair(self, blocks: Sequence[Block]) -> frozenset[str]:
+        """The names of the two of all ``blocks``."""
+        return frozenset((blocks[self.below].name, blocks[self.above].name))
 
     @classmethod
     def of(
@@ -72,12 +76,11 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
     """
     if near > EDGE and near > (most := most_near(blocks)):
         raise refused("tolerance", near, f"at most {_down(most)}, half the thinnest block")
-
-    def remedy(gap: float) -> str:
-        wide = proposed(blocks, gap)
-        return "" if wide is None else f"; tolerance: {wide} takes them as touching"
-
-    require_apart(blocks, near * mean_size(blocks), remedy)
+    depth, words = deepest_overlap(blocks, near * mean_size(blocks))
+    if words:
+        if wide := proposed(blocks, depth):
+            words += f"; tolerance: {wide} takes them as touching"
+        raise ValueError(f"blocks: {words}")
     found = touching(blocks, near)
     touched = {end for each in found for end in (each.below, each.above)}
     for number, block in enumerate(blocks):

@@ -1,7 +1,7 @@
 """Whether blocks overlap: convex ones if no plane parts them, others by the volume they share."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -31,12 +31,12 @@ class Placed:
 Solid = TypeVar("Solid", Block, Placed)
 
 
-def require_apart(blocks: Sequence[Block], near: float, remedy: Callable[[float], str]) -> None:
-    """ValueError for blocks that overlap by more than ``near`` (m), with those that do most.
+def deepest_overlap(blocks: Sequence[Block], near: float) -> tuple[float, str]:
+    """The two ``blocks`` that overlap most, by more than ``near`` (m): how far (m), and in words.
 
-    Pairs of fixed blocks may overlap. Blocks that are not convex overlap if the volume that they
-    share is more than a layer of that thickness on the smaller one, or than half of that.
-    ``remedy``: what takes an overlap (m) as touching, in words, if anything does.
+    No words if none do. Pairs of fixed blocks may overlap. Blocks that are not convex overlap if
+    the volume that they share is more than a layer of that thickness on the smaller one, or than
+    half of that.
     """
     most, words, count = near, "", 0
     for one, other in candidates(blocks, near):
@@ -52,9 +52,7 @@ def require_apart(blocks: Sequence[Block], near: float, remedy: Callable[[float]
         count += depth > near
         if depth > most:
             most, words = depth, f"{one.name} and {other.name} overlap by {amount}"
-    if words:
-        pairs = f", the most of {count} pairs" if count > 1 else ""
-        raise ValueError(f"blocks: {words}{pairs}{remedy(most)}")
+    return most, words + f", the most of {count} pairs" * (count > 1)
 
 
 def tolerance_for(gap: float, size: float) -> float:

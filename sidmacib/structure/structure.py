@@ -69,7 +69,7 @@ def structure(
         raise ValueError("blocks: at least one must be free to move")
     special = dict(special or {})
     found = interfaces(blocks, near) if regions is None else tuple(regions)
-    _require_touching("special", special, _pairs(found, names))
+    _require_touching("special", special, [each.pair(blocks) for each in found])
     for pair in special.keys() & (locked or {}).keys():
         allowed = "two blocks without locks, which have materials of their own"
         raise refused("special", " and ".join(sorted(pair)), allowed)
@@ -133,8 +133,7 @@ def rows_of(
 
     ValueError for a pair that does not touch, or not in one region, and for locks without room.
     """
-    names = [block.name for block in blocks]
-    pairs = _pairs(found, names)
+    pairs = [each.pair(blocks) for each in found]
     _require_touching("locks", locked, pairs)
     rows = {}
     for pair, locks in locked.items():
@@ -144,13 +143,9 @@ def rows_of(
             raise ValueError(f"{name}: the blocks must touch in one region without a hole")
         if locks.first is not None and locks.first not in pair:
             raise refused(f"{name}: first", locks.first, "one of the two blocks")
-        first = locks.first or names[here[0].below]
+        first = locks.first or blocks[here[0].below].name
         rows[pair] = Row.of(replace(locks, first=first), here[0], name)
     return rows
-
-
-def _pairs(found: Sequence[Interface], names: Sequence[str]) -> list[Pair]:
-    return [frozenset((names[each.below], names[each.above])) for each in found]
 
 
 def _require_touching(key: str, given: Iterable[Pair], pairs: Sequence[Pair]) -> None:

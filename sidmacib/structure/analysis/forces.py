@@ -198,11 +198,8 @@ def most_used(interfaces: Iterable[InterfaceRow]) -> str | None:
     interfaces = tuple(interfaces)
     if not any(each.bonded_share for each in interfaces):
         return None
-    carried = {each: math.hypot(each.normal_N, each.shear_N) for each in interfaces}
-    least = NEXT_TO_NOTHING * max(carried.values(), default=0.0)
-    used = {
-        each.interface: each.utilisation
-        for each, force in carried.items()
-        if each.utilisation and force > least
-    }
-    return max(used, key=lambda name: used[name]) if used else None
+    carried = [math.hypot(each.normal_N, each.shear_N) for each in interfaces]
+    least = NEXT_TO_NOTHING * max(carried, default=0.0)
+    loaded = [each for each, force in zip(interfaces, carried, strict=True) if force > least]
+    most = max(loaded, key=lambda each: each.utilisation or 0.0, default=None)
+    return most.interface if most and most.utilisation else None

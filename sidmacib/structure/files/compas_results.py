@@ -202,8 +202,7 @@ def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     every = {key: np.concatenate([each[key] for each in contacts]) for key in keys}
     resultant = every["force"].sum(axis=0)
     most = max(contacts, key=lambda each: float(np.linalg.norm(each["force"].sum(axis=0))))
-    axes = np.array([most["frame"][1], most["frame"][2]])
-    axes = np.array([*axes, np.cross(*axes)])
+    _, first, second = most["frame"]
     return {
         "contact_data": _friction_contact(most),
         "contact_polygon": _object(
@@ -217,7 +216,7 @@ def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "force_tangent2": _lists(every["tangent2"]),
         "force_vector": _lists(every["force"]),
         "resultant_global": _lists(resultant),
-        "resultant_local": _lists(axes @ resultant),
+        "resultant_local": _lists(np.array([first, second, np.cross(first, second)]) @ resultant),
         "force_magnitude": float(np.linalg.norm(resultant)),
         "face_contact": True,
         "edge_contact": False,

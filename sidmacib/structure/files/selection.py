@@ -89,8 +89,7 @@ def chosen_pairs(
         return [frozenset(between)]
     normals: dict[Pair, list[Floats]] = {}
     for each in found:
-        pair = frozenset((blocks[each.below].name, blocks[each.above].name))
-        normals.setdefault(pair, []).append(each.axes[0])
+        normals.setdefault(each.pair(blocks), []).append(each.axes[0])
     chosen = list(normals)
     if not isinstance(between, Rule):
         return chosen
