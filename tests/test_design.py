@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib.design import LockKind, Weights, directions_of, layouts_of
+from sidmacib.design import LockKindSection, WeightsSection, directions_of, layouts_of
 from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.design.sizing import carried, largest_factor, least_cost, needed
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint import DRY, INNER
 from sidmacib.mechanics.assembly import Assembly, Vector
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import force_at, free_weight
@@ -21,7 +20,7 @@ from sidmacib.structure.structure import structure
 from studies.designed_vault.all_layouts import row
 
 FRICTION = 0.3
-KIND = LockKind((0.05,), 0.02, INNER, DRY)
+KIND = LockKindSection(width=(0.05,), height=0.02)
 T1 = 8e4 * 0.05 * 0.4  # N, a lock along x in the face of `two_blocks`
 
 
@@ -37,15 +36,16 @@ def design_on(
     cases: Sequence[LoadCase],
     *,
     angles: Sequence[float] = (0.0, 90.0),
-    weights: Weights | None = None,
-    kind: LockKind = KIND,
+    weights: WeightsSection | None = None,
+    kind: LockKindSection = KIND,
     most: int = 10,
 ) -> DesignProblem:
+    kind = kind.model_copy(update={"most": most})
     sites = tuple(
-        Site(number, layouts_of(face, kind, directions_of(face, angles=angles), most))
+        Site(number, layouts_of(face, kind, directions_of(face, angles=angles)))
         for number, face in enumerate(assembly.faces)
     )
-    return DesignProblem(assembly, sites, tuple(cases), weights or Weights())
+    return DesignProblem(assembly, sites, tuple(cases), weights or WeightsSection())
 
 
 def pushed(assembly: Assembly, load: float, along: Vector = (0.0, 1.0, 0.0)) -> LoadCase:
@@ -71,16 +71,17 @@ def test_a_whole_number_of_locks_is_the_least_that_is_enough_and_balances_the_pu
     assert found.cost == np.ceil((LOAD - BY_FRICTION) / T1) == 2.0
     (layout,) = choice_of(GIVEN, found.parts)
     assert layout.run == (1.0, 0.0, 0.0)  # across the push
-    (state,) = carried(GIVEN, [layout])
-    assert state.factor == pytest.approx((2 * T1 + BY_FRICTION) / LOAD, rel=1e-7)
-    (across,) = needed(GIVEN, [layout], 1.0)[0].across
+    (factor,), _ = carried(GIVEN, [layout])
+    assert factor == pytest.approx((2 * T1 + BY_FRICTION) / LOAD, rel=1e-7)
+    ((across,),) = needed(GIVEN, [layout], 1.0)
     assert abs(across) == pytest.approx(LOAD - BY_FRICTION, rel=1e-5)  # friction does what it can
     assert abs(across) <= layout.strength
 
 
 def test_rows_have_room_and_are_as_strong_as_their_roots() -> None:
     (face,) = BLOCKS.faces
-    for layout in layouts_of(face, KIND, directions_of(face, angles=(0.0, 90.0)), 10):
+    kind = KIND.model_copy(update={"most": 10})
+    for layout in layouts_of(face, kind, directions_of(face, angles=(0.0, 90.0))):
         across, along = (0.6, 0.4) if layout.direction == 0 else (0.4, 0.6)
         assert sum(layout.widths) == pytest.approx(across)
         assert layout.widths[0] == layout.widths[-1] >= layout.width * (1 - 1e-9)
@@ -104,7 +105,7 @@ def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     given = design_on(assembly, [LoadCase("push", loads, 1000.0)], angles=(20.0,), most=2)
     sites = zip(given.sites, (1, 2), strict=True)
     choice = [next(k for k in site.layouts if k.working == size) for site, size in sites]
-    (state,) = carried(given, choice)
+    _, (by_strength,) = carried(given, choice)
     step = 1e-3
 
     def factor(number: int, times: float) -> float:
@@ -113,14 +114,14 @@ def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
         sites = list(given.sites)
         sites[number] = replace(sites[number], layouts=(changed,))
         varied = [changed if k == number else each for k, each in enumerate(choice)]
-        return carried(replace(given, sites=tuple(sites)), varied)[0].factor
+        return carried(replace(given, sites=tuple(sites)), varied)[0][0]
 
     for number, layout in enumerate(choice):
         rise = factor(number, 1.0 + step) - factor(number, 1.0 - step)
         slope = rise / (2 * step * layout.strength)
         # Over what one N of strength could do at most.
-        assert state.by_strength[number] == pytest.approx(slope, abs=1e-6 / 1000.0)
-    assert max(state.by_strength) > 1e-5
+        assert by_strength[number] == pytest.approx(slope, abs=1e-6 / 1000.0)
+    assert max(by_strength) > 1e-5
 
 
 def test_more_than_all_locks_carry_is_refused_with_the_largest_factor() -> None:
@@ -133,14 +134,14 @@ def test_more_than_all_locks_carry_is_refused_with_the_largest_factor() -> None:
 
 
 # --- order of placing: what locks leave free -----------------------------------------------------
-NARROW = LockKind((0.04,), 0.02, INNER, DRY)
+NARROW = LockKindSection(width=(0.04,), height=0.02, most=1)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def chosen(assembly: Assembly, runs: dict[str, Vector]) -> tuple[Assembly, tuple[Site, ...], list]:
     """The assembly, its sites, and locks at all of them."""
     found = tuple(
-        Site(number, layouts_of(face, NARROW, [runs[face.name]], 1))
+        Site(number, layouts_of(face, NARROW, [runs[face.name]]))
         for number, face in enumerate(assembly.faces)
         if face.name in runs
     )
@@ -162,9 +163,9 @@ def corner(walls: int) -> Assembly:
 def test_a_block_on_locks_comes_from_above_or_along_them() -> None:
     order = order_of(*chosen(corner(0), {"ground-cube": X}))
     assert order.stuck == ()
-    (step,) = order.steps
-    assert step.along[1] == 0.0  # not across the locks
-    assert step.along[2] < 0.0
+    (along,) = order.steps.values()
+    assert along[1] == 0.0  # not across the locks
+    assert along[2] < 0.0
 
 
 def test_locks_at_right_angles_in_two_faces_leave_one_way_and_in_three_none() -> None:

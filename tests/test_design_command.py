@@ -48,7 +48,8 @@ def test_strength_is_raised_until_the_static_model_carries_the_cases() -> None:
     notes: list[str] = []
     found = design_of(task_of(two_blocks()), notes.append)
     assert found.passes
-    assert (found.cost, found.bound, found.raised) == (2.0, 1.0, 1)
+    assert (found.cost, found.bound) == (2.0, 1.0)
+    assert max(found.demand.values()) > 1.0
     assert any("static, peak carries 0.9" in note for note in notes)
 
 
@@ -87,8 +88,8 @@ def test_a_block_is_not_pushed_along_grooves_that_are_closed(length: float, plac
     given["design"] |= {"angles": [0], "between": [["base", "block"]]}
     task = task_of(given)
     if placed:
-        (step,) = design_of(task).order.steps
-        assert step.along == pytest.approx((-1.0, 0.0, 0.0))
+        (along,) = design_of(task).order.steps.values()
+        assert along == pytest.approx((-1.0, 0.0, 0.0))
     else:
         with pytest.raises(InfeasibleError, match="leave every block a way to its place"):
             design_of(task)

@@ -57,13 +57,14 @@ def cost_rows(design: Design) -> list[Row]:
 
 def lock_rows(design: Design) -> list[Row]:
     """The locks of each interface that gets any."""
-    structure, rows = design.task.structure, []
+    structure = design.task.structure
+    found: list[Row] = []
     for number, layout in enumerate(design.choice):
         if layout is None:
             continue
-        use = [abs(float(each.across[number])) / layout.strength for each in design.needed]
-        gained = max(float(state.by_strength[number]) for state in design.states)
-        rows.append(
+        use = np.abs(design.needed[:, number]) / layout.strength
+        gained = float(design.by_strength[:, number].max())
+        found.append(
             {
                 "interface": structure.assembly.faces[structure.sites[number].face].name,
                 "locks": len(layout.widths),
@@ -71,12 +72,12 @@ def lock_rows(design: Design) -> list[Row]:
                 "width (m)": layout.width,
                 "run": " ".join(f"{each:.3g}" for each in layout.run),
                 "strength (N)": layout.strength,
-                "utilisation": max(use),
-                "case": design.needed[int(np.argmax(use))].case,
+                "utilisation": float(use.max()),
+                "case": structure.cases[int(use.argmax())].name,
                 "load factor gained by +1 % strength": gained * layout.strength / 100.0,
             }
         )
-    return rows
+    return found
 
 
 def check_rows(design: Design) -> list[Row]:
@@ -96,9 +97,9 @@ def check_rows(design: Design) -> list[Row]:
 def order_rows(design: Design) -> Iterator[Row]:
     """The blocks in the order of placing, and how each comes; then those that are stuck."""
     pieces = design.task.structure.assembly.pieces
-    for number, step in enumerate(design.order.steps, start=1):
-        along = " ".join(f"{each:.3g}" for each in step.along)
-        yield {"step": number, "block": pieces[step.block].name, "moves along": along}
+    for number, (block, way) in enumerate(design.order.steps.items(), start=1):
+        along = " ".join(f"{each:.3g}" for each in way)
+        yield {"step": number, "block": pieces[block].name, "moves along": along}
     for name in _names(design, design.order.stuck):
         yield {"step": None, "block": name, "moves along": "cannot be placed"}
 

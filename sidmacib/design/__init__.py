@@ -10,52 +10,78 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import BeforeValidator, model_validator
 
 from sidmacib.contact_points import ContactOption
-from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Vector
+from sidmacib.mechanics.assembly import CLOSE, Floats, Vector
 from sidmacib.mechanics.polygons import Polygon
+from sidmacib.quantities import Length, Number
+from sidmacib.reading import Keys, Some
 from sidmacib.structure.blocks import vectors
+from sidmacib.structure.files.sections import DrySection, InnerSection
 from sidmacib.structure.interfaces import Interface
 from sidmacib.structure.locks import Locks, Row, condensed_points
 from sidmacib.validation import require_positive
 
 _CENTRE = ContactOption((0.0,), (1.0,))  # one point has the area of a lock
+MOST = 25  # locks that work in an interface, unless the file names fewer
+_NotNegative = Annotated[float, Number(at_least=0)]
 LEVEL = 1e-6  # length of a level direction below which an interface is level
 
 
-@dataclass(frozen=True)
-class LockKind:
-    """The locks that a design is made of.
+def _listed(value: Any) -> Any:
+    return value if isinstance(value, list | tuple) else [value]
 
-    ``widths`` (m) that a lock may have, ``height`` in m, and the materials of `Locks`. ValueError
-    for roots without cohesion.
-    """
 
-    widths: tuple[float, ...]
-    height: float
-    inner: FaceMaterial
-    dry: FaceMaterial
+class LockKindSection(Keys):
+    """The locks that a design is made of."""
 
-    def __post_init__(self) -> None:
+    width: Annotated[
+        tuple[Length, ...],
+        Some,
+        BeforeValidator(_listed, json_schema_input_type=Length | tuple[Length, ...]),
+    ]
+    """width of a lock, or a list of those that it may have"""
+    height: Length
+    """h: half in either block"""
+    most: Annotated[int, Number(at_least=1, at_most=500, whole=True)] = MOST
+    """locks that work in an interface"""
+    inner: InnerSection = InnerSection()
+    """the law of the roots"""
+    dry: DrySection = DrySection()
+    """the law of the other faces of locks"""
+
+    @model_validator(mode="after")
+    def _holds(self) -> Self:
         require_positive(cohesion=self.inner.cohesion)
+        return self
 
 
-@dataclass(frozen=True)
-class Weights:
-    """Cost of each lock that works, of each m2 of its root and m3 of it, whose sum is to be small.
+class WeightsSection(Keys):
+    """What is to be small; with any of these keys, the others are 0."""
 
-    ValueError if all are 0.
-    """
+    number: _NotNegative = 0.0
+    """cost of each lock that works, by default 1"""
+    area: _NotNegative = 0.0
+    """cost of each m² of their roots"""
+    volume: _NotNegative = 0.0
+    """cost of each m³ of them"""
 
-    number: float = 1.0
-    area: float = 0.0
-    volume: float = 0.0
+    @model_validator(mode="after")
+    def _weigh(self) -> Self:
+        if self.model_fields_set and not (self.number or self.area or self.volume):
+            raise ValueError("one must be more than 0")
+        return self
 
-    def __post_init__(self) -> None:
-        if not (self.number or self.area or self.volume):
-            raise ValueError("weights: one must be more than 0")
+    def cost(self, layout: "Layout") -> float:
+        """Cost of a row, in the units of these keys."""
+        number = self.number if self.model_fields_set else 1.0
+        volume = layout.area * layout.kind.height
+        parts = number * layout.working, self.area * layout.area, self.volume * volume
+        return math.fsum(parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +97,7 @@ class Layout:
     working: int
     widths: tuple[float, ...]
     area: float
-    kind: LockKind
+    kind: LockKindSection
 
     @property
     def strength(self) -> float:
@@ -79,23 +105,9 @@ class Layout:
         return self.kind.inner.cohesion * self.area
 
     @property
-    def volume(self) -> float:
-        """Volume of the locks that work, in m3."""
-        return self.area * self.kind.height
-
-    @property
     def width(self) -> float:
         """Width of a lock that works, in m."""
         return self.widths[1]
-
-    def cost(self, weights: Weights) -> float:
-        """Cost in the units of ``weights``."""
-        parts = (
-            weights.number * self.working,
-            weights.area * self.area,
-            weights.volume * self.volume,
-        )
-        return math.fsum(parts)
 
 
 Choice = Sequence[Layout | None]  # for each site
@@ -132,15 +144,15 @@ def directions_of(
 
 
 def layouts_of(
-    face: Polygon, kind: LockKind, directions: Sequence[Vector], most: int
+    face: Polygon, kind: LockKindSection, directions: Sequence[Vector]
 ) -> tuple[Layout, ...]:
-    """All rows of ``kind`` that have room on ``face``, with at most ``most`` locks that work."""
+    """All rows of ``kind`` that have room on ``face``."""
     interface = Interface(face.below, face.above, face.axes, face.middle, face.outline)
     found = []
     for direction, run in enumerate(directions):
         whole = Row.of(Locks(1, kind.height, run=run), interface, face.name)
         across = float(whole.edges[1] - whole.edges[0])
-        for width, working in product(kind.widths, range(1, most + 1)):
+        for width, working in product(kind.width, range(1, kind.most + 1)):
             margin = (across - (2 * working - 1) * width) / 2
             if margin < width * (1.0 - CLOSE):
                 continue

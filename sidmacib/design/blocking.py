@@ -12,7 +12,7 @@ Not seen: blocks that would meet others on a longer way, two blocks placed at on
 what stands so far holds; formwork is taken for granted.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 
@@ -35,18 +35,13 @@ _Rows = dict[int, tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True)
-class Step:
-    """A block that is placed, and the direction in which it moves to its place, a unit vector."""
-
-    block: int
-    along: Vector
-
-
-@dataclass(frozen=True)
 class Order:
-    """The steps in which free blocks are placed, and the blocks that cannot be, by index."""
+    """The order in which free blocks are placed, and the blocks that cannot be, by index.
 
-    steps: tuple[Step, ...]
+    ``steps``: of each block the direction in which it moves to its place, a unit vector.
+    """
+
+    steps: Mapping[int, Vector]
     stuck: tuple[int, ...]
 
 
@@ -55,21 +50,23 @@ def order_of(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> Order
 
     Fixed blocks are there before. Blocks are taken away from the highest down.
     """
-    rows = _rows(assembly, sites, choice)
-    left = {number for number, piece in enumerate(assembly.pieces) if not piece.fixed}
-    fixed = set(range(len(assembly.pieces))) - left
-    touching = _touching(assembly)
-    taken: list[Step] = []
-    ranked = sorted(left, key=lambda k: (-round(float(assembly.pieces[k].centre[2]), 9), k))
+    rows: _Rows = {}
+    for site, layout in zip(sites, choice, strict=True):
+        if layout is not None:
+            across = np.cross(assembly.faces[site.face].axes[0], layout.run)
+            rows[site.face] = across, _walls(assembly, site.face, layout.kind.height / 2.0)
+    left = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
+    left.sort(key=lambda k: (-round(float(assembly.pieces[k].centre[2]), 9), k))
+    here = set(range(len(assembly.pieces)))
+    taken: dict[int, Vector] = {}
     while True:
-        for block in ranked:
-            here = left | fixed
-            if block in left and (out := _way_out(assembly, rows, touching, block, here)):
-                left.remove(block)
-                taken.append(Step(block, (-out[0] + 0.0, -out[1] + 0.0, -out[2] + 0.0)))
-                break
-        else:
-            return Order(tuple(reversed(taken)), tuple(sorted(left)))
+        ways = ((block, _way_out(assembly, rows, block, here)) for block in left)
+        block, out = next((each for each in ways if each[1] is not None), (-1, None))
+        if out is None:
+            return Order(dict(reversed(taken.items())), tuple(sorted(left)))
+        left.remove(block)
+        here.remove(block)
+        taken[block] = (-out[0] + 0.0, -out[1] + 0.0, -out[2] + 0.0)
 
 
 def conflict(
@@ -89,24 +86,6 @@ def conflict(
             if not order_of(assembly, sites, left).stuck:
                 left[number] = layout
     return frozenset((k, layout.direction) for k, layout in enumerate(left) if layout is not None)
-
-
-def _touching(assembly: Assembly) -> dict[int, list[tuple[int, int, Floats]]]:
-    """For each block, the faces that touch others, the other block, and the way away from it."""
-    found: dict[int, list[tuple[int, int, Floats]]] = {}
-    for number, face in enumerate(assembly.faces):
-        found.setdefault(face.above, []).append((number, face.below, face.axes[0]))
-        found.setdefault(face.below, []).append((number, face.above, -face.axes[0]))
-    return found
-
-
-def _rows(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> _Rows:
-    rows = {}
-    for site, layout in zip(sites, choice, strict=True):
-        if layout is not None:
-            across = np.cross(assembly.faces[site.face].axes[0], layout.run)
-            rows[site.face] = across, _walls(assembly, site.face, layout.kind.height / 2.0)
-    return rows
 
 
 def _walls(assembly: Assembly, number: int, depth: float) -> Floats:
@@ -139,22 +118,17 @@ def _any_inside(piece: object, places: Floats) -> bool:
     return bool((np.max(heights, axis=0) < 0.0).any())
 
 
-def _way_out(
-    assembly: Assembly,
-    rows: _Rows,
-    touching: dict[int, list[tuple[int, int, Floats]]],
-    block: int,
-    here: set[int],
-) -> Vector | None:
+def _way_out(assembly: Assembly, rows: _Rows, block: int, here: set[int]) -> Vector | None:
     """A unit vector along which a block can leave those that are here; None if it is blocked."""
-    faces = [each for each in touching.get(block, []) if each[1] in here]
-    locked = [number for number, _, _ in faces if number in rows]
-    away = np.array([each[2] for each in faces]).reshape(-1, 3)
-    along = np.array([rows[number][0] for number in locked]).reshape(-1, 3)
-    walls = [
-        rows[number][1] * (1.0 if assembly.faces[number].above == block else -1.0)
-        for number in locked
-    ]
+    from_others, across, walls = [], [], []
+    for number, face in enumerate(assembly.faces):
+        if block in (face.below, face.above) and {face.below, face.above} <= here:
+            side = 1.0 if face.above == block else -1.0
+            from_others.append(side * face.axes[0])
+            if number in rows:
+                across.append(rows[number][0])
+                walls.append(side * rows[number][1])
+    away, along = (np.reshape(each, (-1, 3)) for each in (from_others, across))
     open_to = np.concatenate([away, *walls])
     flat = open_to - (open_to @ np.linalg.pinv(along)) @ along if len(along) else open_to
     ways = np.array([*_ways(np.concatenate([open_to, along])), *_units(flat)])

@@ -23,9 +23,9 @@ from sidmacib.design.blocking import Order, conflict, order_of
 from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of
 from sidmacib.design.file import DesignSection, Task, designed, load_cases
 from sidmacib.design.model import DesignProblem, LoadCase
-from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
+from sidmacib.design.sizing import carried, largest_factor, needed
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static import static_peak
 from sidmacib.problem import Problem
@@ -62,19 +62,22 @@ class Check:
 
 
 def checks_of(
-    task: Task, choice: Choice, note: Callable[[str], None] = lambda _: None
+    task: Task, choice: Choice, factors: Floats, note: Callable[[str], None] = lambda _: None
 ) -> tuple[Check, ...]:
-    """Loads of all cases by the design's model and the others, with the rows of ``choice``."""
+    """Loads of all cases by the design's model and the others, with the rows of ``choice``.
+
+    ``factors``: by the design's model.
+    """
     found = [
-        Check(each.case, DESIGN, each.factor, "condensed locks, associated friction", True)
-        for each in carried(task.structure, choice)
+        Check(case.name, DESIGN, factor, "condensed locks, associated friction", True)
+        for case, factor in zip(task.structure.cases, factors.tolist(), strict=True)
     ]
     assembly = assembly_of(designed(task, choice), folder=task.folder)
     for case in load_cases(assembly, task.asked, task.description):
         note(f"checking {case.name} on {len(assembly.pieces)} pieces")
         found += [
-            Check(case.name, model, value and value / case.load, words, decides)
-            for model, value, words, decides in _of_case(assembly, case, task.asked)
+            Check(case.name, model, load and load / case.load, words, decides)
+            for model, load, words, decides in _of_case(assembly, case, task.asked)
         ]
     return tuple(found)
 
@@ -87,16 +90,13 @@ def _of_case(
     yield LIMIT, *_answer(lambda: limit_state(assembly, loads).load, words), True
     if asked.no_dilation:
         # Its rounds need not settle: without an answer it counts neither way.
-        load, words = _answer(
-            lambda: sliding_limit(assembly, loads).state.load, "non-dilatant sliding"
-        )
+        words = "non-dilatant sliding"
+        load, words = _answer(lambda: sliding_limit(assembly, loads).state.load, words)
         yield SLIDING, load, words, load is not None
     try:
         with naming_permanent(loads):
-            static = _static(
-                Problem(assembly, loads), asked.first_failure, case.load * asked.factor
-            )
-            yield from tuple(static)
+            problem, needed = Problem(assembly, loads), case.load * asked.factor
+            yield from tuple(_static(problem, asked.first_failure, needed))
     except CapacityError as error:
         unlimited = math.inf if isinstance(error, UnboundedError) else None
         yield FIRST, unlimited, _line(error), asked.first_failure
@@ -154,8 +154,8 @@ class Design:
     ``choice``: a row or None for each site. ``mixed``: the search with mixed rows, whose bound
     holds for any rows in any direction that carry the cases with the whole strength of locks and
     can be built; ``whole``: with whole rows. ``demand``: what was demanded at last of each case
-    over what is asked, by its name. ``states``: what the design's model carries; ``needed``: what
-    it needs of the locks at the factor. ``raised``: how often the demand was raised.
+    over what is asked, by its name. ``by_strength``: see `carried`; ``needed``: the forces that the
+    design's model needs of the locks at the factor, see `needed`.
     """
 
     task: Task
@@ -165,11 +165,10 @@ class Design:
     mixed: FoundRows
     whole: FoundRows
     demand: Mapping[str, float]
-    states: tuple[Carried, ...]
-    needed: tuple[Needed, ...]
+    by_strength: Floats
+    needed: Floats
     order: Order
     checks: tuple[Check, ...]
-    raised: int
 
     @property
     def failing(self) -> tuple[Check, ...]:
@@ -193,7 +192,7 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
     demand = dict.fromkeys(task.loads, 1.0)
     for raised in range(task.asked.raised + 1):
         try:
-            found = _once(task, demand, last, raised, note)
+            found = _once(task, demand, last, note)
         except InfeasibleError as error:
             if best is None or last is None:
                 raise
@@ -202,7 +201,8 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
             if stronger is None:
                 break
             note("each row gets the next stronger one")
-            found = _with(task, last, stronger, raised, note)
+            searched = last.mixed, last.whole, last.bound
+            found = _checked(task, stronger, searched, last.demand, last, note)
         except SolverError as error:  # of this demand; the next one may be solved
             if best is None and raised == task.asked.raised:
                 raise
@@ -233,7 +233,7 @@ def _raised(design: Design) -> dict[str, float]:
     return demand
 
 
-def _stronger(structure: DesignProblem, choice: Choice) -> Choice | None:
+def _stronger(structure: DesignProblem, choice: Choice) -> tuple[Layout | None, ...] | None:
     """The next stronger row in place of each row, along the same direction; None if none is."""
     found = list(choice)
     for number, (site, row) in enumerate(zip(structure.sites, choice, strict=True)):
@@ -244,20 +244,33 @@ def _stronger(structure: DesignProblem, choice: Choice) -> Choice | None:
     return None if found == list(choice) else tuple(found)
 
 
-def _with(
-    task: Task, last: Design, choice: Choice, raised: int, note: Callable[[str], None]
+def _checked(
+    task: Task,
+    choice: tuple[Layout | None, ...],
+    searched: tuple[FoundRows, FoundRows, float],
+    demand: Mapping[str, float],
+    last: Design | None,
+    note: Callable[[str], None],
 ) -> Design:
-    """The ``last`` design with the rows of another ``choice``."""
-    structure = task.structure
-    return replace(
-        last,
-        choice=tuple(choice),
-        cost=float(structure.costs @ structure.chosen(choice)),
-        states=carried(structure, choice),
-        needed=needed(structure, choice, task.asked.factor),
-        order=order_of(structure.assembly, structure.sites, choice),
-        checks=checks_of(task, choice, note),
-        raised=raised,
+    """The design with the rows of ``choice``; ``searched``: for mixed and whole rows, the bound."""
+    structure, (mixed, whole, bound) = task.structure, searched
+    factors, by_strength = carried(structure, choice)
+    if last is not None and last.choice == choice:
+        checks = last.checks
+    else:
+        checks = checks_of(task, choice, factors, note)
+    return Design(
+        task,
+        choice,
+        float(structure.costs @ structure.chosen(choice)),
+        bound,
+        mixed,
+        whole,
+        dict(demand),
+        by_strength,
+        needed(structure, choice, task.asked.factor),
+        order_of(structure.assembly, structure.sites, choice),
+        checks,
     )
 
 
@@ -283,7 +296,6 @@ def _once(
     task: Task,
     demand: Mapping[str, float],
     last: Design | None,
-    raised: int,
     note: Callable[[str], None],
 ) -> Design:
     """A design for a ``demand`` on each case; ``last``: of the round before."""
@@ -311,26 +323,15 @@ def _once(
             f"whole rows: {whole.cost:.6g}, at least {whole.bound:.6g}"
         )
         choice = choice_of(structure, whole.parts)
-        assembly, sites = structure.assembly, structure.sites
-        blocking = conflict(assembly, sites, choice) if task.asked.buildable else None
+        blocking = None
+        if task.asked.buildable:
+            blocking = conflict(structure.assembly, structure.sites, choice)
         if not blocking or len(barred) == MOST_BARRED:
             break
         note(f"{len(blocking)} rows of locks leave a block no way to its place: barred")
         barred.append(blocking)
-    return Design(
-        task,
-        choice,
-        whole.cost,
-        max(mixed.bound, whole.bound) if last is None else last.bound,
-        mixed,
-        whole,
-        dict(demand),
-        carried(task.structure, choice),
-        needed(task.structure, choice, task.asked.factor),
-        order_of(assembly, sites, choice),
-        last.checks if last and last.choice == choice else checks_of(task, choice, note),
-        raised,
-    )
+    bound = max(mixed.bound, whole.bound) if last is None else last.bound
+    return _checked(task, choice, (mixed, whole, bound), demand, last, note)
 
 
 def _why_not(structure: DesignProblem, factor: float) -> InfeasibleError | None:

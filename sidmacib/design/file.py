@@ -12,18 +12,22 @@ import yaml
 from pydantic import BeforeValidator, StrictBool, model_validator
 
 from sidmacib.contact_points import OPTIONS
-from sidmacib.design import Layout, LockKind, Weights, directions_of, layouts_of
+from sidmacib.design import (
+    Layout,
+    LockKindSection,
+    WeightsSection,
+    directions_of,
+    layouts_of,
+)
 from sidmacib.design.model import DesignProblem, LoadCase, Site
-from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind
+from sidmacib.mechanics.assembly import CLOSE, Assembly, Kind
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.quantities import Length, Number, shown
+from sidmacib.quantities import Number, shown
 from sidmacib.reading import Keys, Label, Some, Way
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.loads import CaseSection
 from sidmacib.structure.files.sections import (
     NUMBERS,
-    DrySection,
-    InnerSection,
     Option,
     Positive,
     StructureFile,
@@ -33,55 +37,6 @@ from sidmacib.structure.files.structure_file import assembly_of, description_in,
 from sidmacib.validation import refused
 
 DIGITS = 9  # of lengths (m) in the file that is written
-MOST = 25  # locks that work in an interface, unless the file names fewer
-_NotNegative = Annotated[float, Number(at_least=0)]
-
-
-def _listed(value: Any) -> Any:
-    return value if isinstance(value, list | tuple) else [value]
-
-
-class LockKindSection(Keys):
-    """The locks that a design is made of."""
-
-    width: Annotated[
-        tuple[Length, ...],
-        Some,
-        BeforeValidator(_listed, json_schema_input_type=Length | tuple[Length, ...]),
-    ]
-    """width of a lock, or a list of those that it may have"""
-    height: Length
-    """h: half in either block"""
-    most: Annotated[int, Number(at_least=1, at_most=500, whole=True)] = MOST
-    """locks that work in an interface"""
-    inner: InnerSection = InnerSection()
-    """the law of the roots"""
-    dry: DrySection = DrySection()
-    """the law of the other faces of locks"""
-
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        self.kind()
-        return self
-
-    def kind(self) -> LockKind:
-        """The section as the model takes it; ValueError if the roots have no strength."""
-        return LockKind(self.width, self.height, self.inner.material, self.dry.material)
-
-
-class WeightsSection(Keys):
-    """What is to be small; with any of these keys, the others are 0."""
-
-    number: _NotNegative = 0.0
-    """cost of each lock that works, by default 1"""
-    area: _NotNegative = 0.0
-    """cost of each m² of their roots"""
-    volume: _NotNegative = 0.0
-    """cost of each m³ of them"""
-
-    def weights(self) -> Weights:
-        """The section as the model takes it; ValueError if all are 0."""
-        return Weights(**(self.model_dump() if self.model_fields_set else {}))
 
 
 def _pairs(value: Any) -> Any:
@@ -130,7 +85,6 @@ class DesignSection(Keys):
     def _fits(self) -> Self:
         if self.runs is not None and "angles" in self.model_fields_set:
             raise ValueError("must have either angles or runs")
-        self.weights.weights()
         return self
 
 
@@ -185,7 +139,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
         assembly,
         _sites(assembly, design),
         load_cases(assembly, design, plain),
-        design.weights.weights(),
+        design.weights,
         option=OPTIONS[design.option],
     )
     return Task(plain, folder, structure, loads, design)
@@ -211,7 +165,7 @@ def load_cases(
 
 def _sites(assembly: Assembly, design: DesignSection) -> tuple[Site, ...]:
     """The interfaces that may get locks: those that are dry, whole and between convex blocks."""
-    kind = design.locks.kind()
+    kind = design.locks
     wanted = None if design.between == "all" else {frozenset(pair) for pair in design.between}
     names = [piece.name for piece in assembly.pieces]
     pairs = [frozenset((names[face.below], names[face.above])) for face in assembly.faces]
@@ -228,7 +182,7 @@ def _sites(assembly: Assembly, design: DesignSection) -> tuple[Site, ...]:
         if convex and whole and face.kind is Kind.DRY and (wanted is None or pair in wanted):
             _require_room(face, solids, kind.height)
             ways = directions_of(face, angles=angles, runs=runs)
-            found.append(Site(number, layouts_of(face, kind, ways, design.locks.most)))
+            found.append(Site(number, layouts_of(face, kind, ways)))
     return tuple(found)
 
 
@@ -243,7 +197,7 @@ def _require_room(face: Polygon, solids: Sequence[Any], height: float) -> None:
 
 def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:
     """The description of the structure with the rows of ``choice``, one or None for each site."""
-    assembly = task.structure.assembly
+    assembly, numbers = task.structure.assembly, {*NUMBERS}
     locks = []
     for site, layout in zip(task.structure.sites, choice, strict=True):
         if layout is None:
@@ -258,8 +212,8 @@ def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:
                 "run": list(layout.run),
                 "first": below,
                 "widths": [round(width, DIGITS) for width in layout.widths],
-                "inner": _numbers(layout.kind.inner),
-                "dry": _numbers(layout.kind.dry),
+                "inner": layout.kind.inner.model_dump(include=numbers),
+                "dry": layout.kind.dry.model_dump(include=numbers),
             }
         )
     return {**task.description, "locks": locks}
@@ -268,7 +222,7 @@ def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:
 def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> None:
     """Write `designed` into YAML files, with paths to files of blocks from their folder.
 
-    ``path`` has the first case as its load; each other case has a file beside it (`beside`).
+    ``path`` has the first case as its load; each other case has a file beside it, named after it.
     """
     description = designed(task, choice)
 
@@ -282,19 +236,14 @@ def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> N
     cases = "".join(f"#   {_line(task, name)}\n" for name in task.loads)
     head = f"# With the locks that multilock design found for these cases:\n{cases}"
     for number, (name, load) in enumerate(task.loads.items()):
-        file = beside(path, name) if number else path
-        content = {**description, "load": load}
-        text = head + f"# The load is that of {shown(name)}.\n"
-        text += yaml.safe_dump(content, sort_keys=False, width=120)
+        file = path.with_name(f"{path.stem}-{quote(name, safe=' ')}{path.suffix}")
+        file = file if number else path
+        text = f"{head}# The load is that of {shown(name)}.\n"
+        text += yaml.safe_dump({**description, "load": load}, sort_keys=False, width=120)
         try:
             file.write_text(text, encoding="utf-8")
         except OSError as error:
             raise ValueError(f"--output {file}: {error.strerror or error}") from None
-
-
-def beside(path: Path, case: str) -> Path:
-    """The file beside ``path`` for a ``case`` that is not the first, named after it."""
-    return path.with_name(f"{path.stem}-{quote(case, safe=' ')}{path.suffix}")
 
 
 def _line(task: Task, case: str) -> str:
@@ -305,7 +254,3 @@ def _line(task: Task, case: str) -> str:
     values = {case: {**task.loads[case], **amount}}
     flow = yaml.safe_dump(values, default_flow_style=True, width=1000)
     return flow.strip().removeprefix("{").removesuffix("}")
-
-
-def _numbers(material: FaceMaterial) -> dict[str, float]:
-    return {name: getattr(material, name) for name in NUMBERS}

@@ -18,7 +18,7 @@ import shapely
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
 from sidmacib.contact_points import OPTIONS, ContactOption
-from sidmacib.design import Layout, Weights
+from sidmacib.design import Layout, WeightsSection
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
@@ -53,7 +53,7 @@ class DesignProblem:
     assembly: Assembly
     sites: tuple[Site, ...]
     cases: tuple[LoadCase, ...]
-    weights: Weights
+    weights: WeightsSection
     option: ContactOption = OPTIONS["option3"]
 
     def __post_init__(self) -> None:
@@ -73,7 +73,7 @@ class DesignProblem:
     @cached_property
     def costs(self) -> Floats:
         """Cost of each of `layouts`."""
-        return np.array([layout.cost(self.weights) for layout in self.layouts])
+        return np.array([self.weights.cost(layout) for layout in self.layouts])
 
     @cached_property
     def rows(self) -> tuple[tuple[int, int], ...]:

@@ -6,12 +6,13 @@ direction, that carries the same in this model.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cvxpy as cp
 import numpy as np
 
 from sidmacib.design import Choice
-from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
+from sidmacib.design.model import CaseForces, DesignProblem, case_forces
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
@@ -22,8 +23,7 @@ ACCURACIES = (1e-9, 1e-7, 1e-5)  # of factors, whose multipliers are sensitiviti
 ENOUGH = 1e-6  # accuracy of costs
 
 
-@dataclass(frozen=True, eq=False)
-class Mechanism:
+class Mechanism(NamedTuple):
     """A mechanism that locks must resist: ``work`` times their strengths is at least ``least``.
 
     ``work``: for each of `DesignProblem.rows`; strengths in units, as much as counts.
@@ -45,45 +45,15 @@ class Bound:
     mechanisms: tuple[Mechanism, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Carried:
-    """Share of a case that a design carries.
-
-    ``factor``: of the case's load; infinite if it carries any. ``by_strength``: by how much the
-    factor grows for each N that the locks of a site in the choice are stronger, (sites,); 0 where
-    there are none.
-    """
-
-    case: str
-    factor: float
-    by_strength: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class Needed:
-    """Forces of locks in a case: of all that carry it, those with the least sum of squares.
-
-    ``across``: forces across the locks of each site in N, (sites,). The squares are of forces over
-    strengths.
-    """
-
-    case: str
-    across: Floats
-
-
 def least_cost(structure: DesignProblem, factor: float, allowed: Flags | None = None) -> Bound:
     """The least cost of locks that carry ``factor`` times every case, rows being mixed.
 
     ``allowed``: whether each of `DesignProblem.layouts` is; by default all. `InfeasibleError` if no
     locks do.
     """
-    parts = cp.Variable(len(structure.layouts), nonneg=True)
-    strength = structure.strengths / structure.unit @ parts
-    constraints: list[cp.Constraint] = [_each_once(structure, parts)]
+    parts, strength, forces, constraints = _mixed(structure, factor)
     if allowed is not None:
-        constraints.append(parts <= allowed.astype(float))
-    forces = [case_forces(structure, case, factor, strength) for case in structure.all_cases]
-    constraints += [constraint for each in forces for constraint in each.constraints]
+        constraints.insert(1, parts <= allowed.astype(float))
     scale = float(structure.costs.max())
     problem = cp.Problem(cp.Minimize((structure.costs / scale) @ parts), constraints)
     try:
@@ -102,55 +72,64 @@ def largest_factor(structure: DesignProblem) -> float:
 
     `InfeasibleError` if no locks make it stand.
     """
-    parts = cp.Variable(len(structure.layouts), nonneg=True)
     factor = cp.Variable()
-    strength = structure.strengths / structure.unit @ parts
-    constraints: list[cp.Constraint] = [_each_once(structure, parts)]
-    for case in structure.all_cases:
-        constraints += case_forces(structure, case, factor, strength).constraints
-    return _largest(factor, constraints)
+    return _largest(factor, _mixed(structure, factor)[-1])
 
 
-def carried(structure: DesignProblem, choice: Choice) -> tuple[Carried, ...]:
-    """Loads of all cases that the rows of ``choice`` carry.
+def _mixed(
+    structure: DesignProblem, factor: cp.Variable | float
+) -> tuple[cp.Variable, cp.Expression, list[CaseForces], list[cp.Constraint]]:
+    """Parts of all layouts and their strengths in units, with the forces that carry all cases.
 
-    `InfeasibleError` if a structure does not stand with them.
+    And the constraints; the parts of a site's rows add up to at most 1.
     """
-    return tuple(_carried(structure, choice, case) for case in structure.cases)
+    parts = cp.Variable(len(structure.layouts), nonneg=True)
+    strength = structure.strengths / structure.unit @ parts
+    sums = np.zeros((len(structure.sites), len(structure.layouts)))
+    sums[structure.site_of, np.arange(len(structure.layouts))] = 1.0
+    forces = [case_forces(structure, case, factor, strength) for case in structure.all_cases]
+    constraints = [constraint for each in forces for constraint in each.constraints]
+    return parts, strength, forces, [sums @ parts <= 1.0, *constraints]
 
 
-def _carried(structure: DesignProblem, choice: Choice, case: LoadCase) -> Carried:
-    strength = _strength(structure, choice)
-    factor = cp.Variable()
-    forces = case_forces(structure, case, factor, cp.Constant(strength))
-    largest = _largest(factor, forces.constraints)
-    count = len(structure.sites)
-    if not np.isfinite(largest):
-        return Carried(case.name, largest, np.zeros(count))
-    slopes = work_of(structure, forces) / structure.unit
-    slopes = np.where(strength > 0.0, slopes, 0.0)
-    by_strength = np.bincount(structure.site_of_row, slopes, minlength=count)
-    return Carried(case.name, largest, by_strength.astype(float))
+def carried(structure: DesignProblem, choice: Choice) -> tuple[Floats, Floats]:
+    """The part of the load of each case that the rows of ``choice`` carry, and what it depends on.
+
+    The factors, (cases,), are infinite of cases that are carried at any size. They grow for each N
+    that the locks of a site are stronger by the second result, (cases, sites), which is 0 where
+    there are none. `InfeasibleError` if a structure does not stand with these rows.
+    """
+    strength, count = _strength(structure, choice), len(structure.sites)
+    factors, by_strength = [], []
+    for case in structure.cases:
+        factor = cp.Variable()
+        forces = case_forces(structure, case, factor, cp.Constant(strength))
+        factors.append(_largest(factor, forces.constraints))
+        slopes = np.zeros(len(strength))
+        if np.isfinite(factors[-1]):
+            slopes = np.where(strength > 0.0, work_of(structure, forces) / structure.unit, 0.0)
+        by_strength.append(np.bincount(structure.site_of_row, slopes, minlength=count))
+    return np.array(factors), np.array(by_strength)
 
 
-def needed(structure: DesignProblem, choice: Choice, factor: float) -> tuple[Needed, ...]:
-    """Forces in the rows of ``choice`` under ``factor`` times each case.
+def needed(structure: DesignProblem, choice: Choice, factor: float) -> Floats:
+    """Forces (N) across the rows of ``choice`` under ``factor`` times each case, (cases, sites).
 
+    Of all that carry it, those with the least sum of squares of forces over strengths.
     `InfeasibleError` if they do not carry it.
     """
-    return tuple(_needed(structure, choice, factor, case) for case in structure.cases)
-
-
-def _needed(structure: DesignProblem, choice: Choice, factor: float, case: LoadCase) -> Needed:
-    strength = _strength(structure, choice)
-    forces = case_forces(structure, case, factor, cp.Constant(strength))
+    strength, found = _strength(structure, choice), []
     row = np.repeat(np.arange(len(strength)), len(structure.option.portions))
     used = strength[row] > 0.0
-    shares = cp.multiply(1.0 / np.where(used, strength[row], 1.0)[used], forces.locks[used])
-    solve(cp.Problem(cp.Minimize(cp.sum_squares(shares)), forces.constraints), WHAT, ENOUGH)
-    size = structure.unit * np.where(used, np.asarray(forces.locks.value), 0.0)
-    across = np.bincount(structure.site_of_row[row], size, minlength=len(structure.sites))
-    return Needed(case.name, across.astype(float))
+    over_strength = 1.0 / np.where(used, strength[row], 1.0)[used]
+    for case in structure.cases:
+        forces = case_forces(structure, case, factor, cp.Constant(strength))
+        shares = cp.multiply(over_strength, forces.locks[used])
+        solve(cp.Problem(cp.Minimize(cp.sum_squares(shares)), forces.constraints), WHAT, ENOUGH)
+        size = structure.unit * np.where(used, np.asarray(forces.locks.value), 0.0)
+        sites = structure.site_of_row[row]
+        found.append(np.bincount(sites, size, minlength=len(structure.sites)))
+    return np.array(found)
 
 
 def _strength(structure: DesignProblem, choice: Choice) -> Floats:
@@ -171,10 +150,3 @@ def _largest(factor: cp.Variable, constraints: list[cp.Constraint]) -> float:
     except UnboundedError:
         return float("inf")
     return float(factor.value)
-
-
-def _each_once(structure: DesignProblem, parts: cp.Variable) -> cp.Constraint:
-    """The parts of a site's rows add up to at most 1."""
-    sums = np.zeros((len(structure.sites), len(structure.layouts)))
-    sums[structure.site_of, np.arange(len(structure.layouts))] = 1.0
-    return sums @ parts <= 1.0

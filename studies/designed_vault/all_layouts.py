@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from sidmacib.design import LockKind, Weights, directions_of, layouts_of
+from sidmacib.design import LockKindSection, WeightsSection, directions_of, layouts_of
 from sidmacib.design.direction import RowSearch
 from sidmacib.design.model import DesignProblem, LoadCase, Site
-from sidmacib.joint import DRY, INNER
+from sidmacib.joint import DRY
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, box
@@ -27,9 +27,8 @@ from studies.markdown import markdown_of
 
 CUBES = (1, 2, 3)
 EDGE, DENSITY = 0.4, 2000.0  # m, kg/m3
-KIND = LockKind((0.05,), 0.02, INNER, DRY)
+KIND = LockKindSection(width=(0.05,), height=0.02, most=3)
 ANGLES = (0.0, 45.0, 90.0, 135.0)  # degrees
-MOST = 3  # locks that work in an interface
 PUSH = 2500.0  # N
 GAP = 1e-4
 
@@ -58,11 +57,11 @@ def cubes(count: int) -> DesignProblem:
         for name, along in (("aside", (0.0, 1.0, 0.0)), ("down", (0.0, 1.0, -1.0)))
     )
     sites = tuple(
-        Site(number, layouts_of(face, KIND, directions_of(face, angles=ANGLES), MOST))
+        Site(number, layouts_of(face, KIND, directions_of(face, angles=ANGLES)))
         for number, face in enumerate(assembly.faces)
         if isinstance(face, Polygon)
     )
-    return DesignProblem(assembly, sites, cases, Weights())
+    return DesignProblem(assembly, sites, cases, WeightsSection())
 
 
 def tried(given: DesignProblem, search: RowSearch) -> tuple[int, float]:
