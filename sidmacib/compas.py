@@ -59,7 +59,11 @@ def multilock_solve(
         if density is not None:
             blocks["density"] = density
         else:
-            _require_densities(model)
+            for block in model.elements():
+                known = getattr(getattr(block, "material", None), "density", None)
+                if hasattr(block, "is_support") and known is None:
+                    what = "its material must have a density, or give density"
+                    raise ValueError(f"block {block.graphnode}: {what}")
         assembly = assembly_of({**described, "blocks": {NAME: blocks}}, Path(folder))
     always = permanent_only(assembly, permanent_of(assembly, described))
     given = _loads(problem, model, assembly)
@@ -128,15 +132,6 @@ def _described(problem: Any, laws: Mapping[str, Any] | str | Path | None) -> dic
     elif "friction" not in (given.get("interfaces") or {}):
         raise ValueError("problem: must have a contact model, or laws with interfaces")
     return {**given, "interfaces": {**of_problem, **(given.get("interfaces") or {})}}
-
-
-def _require_densities(model: Any) -> None:
-    for block in model.elements():
-        material = getattr(block, "material", None)
-        if hasattr(block, "is_support") and getattr(material, "density", None) is None:
-            raise ValueError(
-                f"block {block.graphnode}: its material must have a density, or give density"
-            )
 
 
 def _loads(problem: Any, model: Any, assembly: Assembly) -> Floats:

@@ -1,6 +1,6 @@
 """What is drawn of a structure: its blocks and interfaces, and what a model says of them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Outcome, Problem
 from sidmacib.quantities import four_digits
-from sidmacib.scene.forces import Reaction, arrows_of, forces_of, reactions, thrust
+from sidmacib.scene.forces import Section, arrows_of, forces_of, reactions, thrust
 from sidmacib.structure.analysis.forces import (
     BlockRow,
     InterfaceRow,
@@ -59,7 +59,7 @@ class Drawn:
         return block_rows(self.assembly, self.outcome) if self.outcome else ()
 
     @cached_property
-    def reactions(self) -> tuple[Reaction, ...]:
+    def reactions(self) -> tuple[Section, ...]:
         """Of the supports, at the load that counts; none without forces."""
         return reactions(self.assembly, self.interfaces)
 
@@ -105,6 +105,9 @@ class Drawn:
         """Plain values for `structure.js`."""
         tilts = self.problem.loads.axis is not None
         first = self.failing[0] if self.failing else (None, None)
+        moving = [asdict(block) for block in self.blocks]
+        for row in moving:
+            row.update(zip(MOTION, row.pop("move") or (None,) * len(MOTION), strict=True))
         return {
             "row": {
                 "model": self.model,
@@ -117,16 +120,10 @@ class Drawn:
                 "first_failure_tilt_degrees": first[1] if tilts else None,
                 "most_used_interface": most_used(self.interfaces),
             },
-            "blocks": [*self._moving()],
+            "blocks": moving,
             "interfaces": [asdict(row) for row in self.interfaces],
             **forces_of(self.assembly, self.interfaces),
         }
-
-    def _moving(self) -> Iterator[dict[str, Any]]:
-        for block in self.blocks:
-            row = asdict(block)
-            move = row.pop("move") or (None,) * len(MOTION)
-            yield row | dict(zip(MOTION, move, strict=True))
 
 
 def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
@@ -139,14 +136,21 @@ def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
     an interface its ``middle`` and the numbers of the blocks, ``between``.
     """
     owners = owners_of(assembly)
-    by_name = {solid.name: solid for solid in made}
+    by_name = {
+        solid.name: {
+            "points": [_rounded(place) for place in solid.places],
+            "triangles": solid.triangles.tolist(),
+            "edges": edge_vertices(solid).tolist(),
+        }
+        for solid in made
+    }
     return {
         "blocks": [
             {
                 "name": piece.name,
                 "fixed": piece.fixed,
                 "with": owners[number],
-                **(_made(by_name[piece.name]) if piece.name in by_name else _solid(piece)),
+                **(by_name.get(piece.name) or _solid(piece)),
             }
             for number, piece in enumerate(assembly.pieces)
         ],
@@ -185,14 +189,6 @@ def with_condensed_locks(description: Any, folder: Path) -> list[Solid]:
     except ValueError:
         return []
     return [each for each in made if each.name in names]
-
-
-def _made(solid: Solid) -> dict[str, Any]:
-    return {
-        "points": [_rounded(place) for place in solid.places],
-        "triangles": solid.triangles.tolist(),
-        "edges": edge_vertices(solid).tolist(),
-    }
 
 
 def _solid(piece: Piece) -> dict[str, Any]:

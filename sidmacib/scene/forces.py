@@ -35,18 +35,14 @@ def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> di
     else:
         raised = weights if load is None else loads.at(load) - others
     most = float(np.abs(loads.permanent).max())
+    # Permanent forces act along lines, which these arms lead to from the centroids, torsion apart.
+    square = np.maximum((others[:, :3] ** 2).sum(axis=1), np.finfo(float).tiny)
+    lever_arms = np.cross(others[:, :3], others[:, 3:]) / square[:, None]
     return {
         "variable": [*_arrows(assembly, raised, arms)],
-        "permanent": [*_arrows(assembly, others, _lever_arms(others), most)],
+        "permanent": [*_arrows(assembly, others, lever_arms, most)],
         "axis": None if loads.axis is None else [*loads.axis],
     }
-
-
-def _lever_arms(wrenches: Floats) -> Floats:
-    """From the centroids to the lines along which forces act (m), (P, 3); torsion apart."""
-    force, moment = wrenches[:, :3], wrenches[:, 3:]
-    square = np.maximum((force**2).sum(axis=1), np.finfo(float).tiny)
-    return np.asarray(np.cross(force, moment) / square[:, None])
 
 
 def load_of(problem: Problem) -> str:
@@ -94,13 +90,38 @@ class Section:
 
     ``force`` in N; ``middle`` (m) of the interfaces; ``at``: the point (m) through which the force
     acts in their mean plane, torsion apart; None where it is along that plane. ``reach``: diagonal
-    of the box around them, m.
+    of the box around them, m. ``support``: the fixed block that exerts the force.
     """
 
     force: Vector
     middle: Vector
     at: Vector | None
     reach: float
+    support: str = ""
+
+    @classmethod
+    def of(cls, carried: Sequence[Carried], support: str = "") -> "Section":
+        """From interfaces, what each carries, and the signs of these forces."""
+        area = np.array([face.area for face, _, _ in carried])
+        sign = np.array([each for _, _, each in carried])
+        places = np.array([face.middle for face, _, _ in carried])
+        middle = area @ places / area.sum()
+        forces = sign[:, None] * np.array(
+            [(row.force_x_N, row.force_y_N, row.force_z_N) for _, row, _ in carried]
+        )
+        acts = [row_point(row) or tuple(face.middle) for face, row, _ in carried]
+        moment = np.cross(np.array(acts) - middle, forces).sum(axis=0)
+        force = forces.sum(axis=0)
+        normal = (sign * area) @ np.array([face.axes[0] for face, _, _ in carried])
+        size, at = float(np.linalg.norm(normal)), None
+        if size > 0.0:
+            unit = normal / size
+            pressed = float(force @ unit)
+            if abs(pressed) > STEEP * float(np.linalg.norm(force)):
+                at = _vector(middle + np.cross(unit, moment) / pressed)
+        corners = np.concatenate([face.corners for face, _, _ in carried])
+        reach = float(np.linalg.norm(np.ptp(corners, axis=0)))
+        return cls(_vector(force), _vector(middle), at, reach, support)
 
     @property
     def near(self) -> Vector | None:
@@ -108,13 +129,6 @@ class Section:
         if self.at is None or math.dist(self.at, self.middle) > self.reach:
             return None
         return self.at
-
-
-@dataclass(frozen=True)
-class Reaction(Section):
-    """What a fixed block, ``support``, exerts on the pieces that touch it."""
-
-    support: str
 
 
 def forces_of(assembly: Assembly, rows: Sequence[InterfaceRow]) -> dict[str, Any]:
@@ -125,7 +139,7 @@ def forces_of(assembly: Assembly, rows: Sequence[InterfaceRow]) -> dict[str, Any
     }
 
 
-def reactions(assembly: Assembly, rows: Sequence[InterfaceRow]) -> tuple[Reaction, ...]:
+def reactions(assembly: Assembly, rows: Sequence[InterfaceRow]) -> tuple[Section, ...]:
     """The reaction of each fixed block that touches a piece which can move.
 
     ``rows``: of all interfaces; none if there are no forces.
@@ -138,12 +152,11 @@ def reactions(assembly: Assembly, rows: Sequence[InterfaceRow]) -> tuple[Reactio
             sign = 1.0 if support == face.below else -1.0
             found.setdefault(support, []).append((face, row, sign))
     return tuple(
-        Reaction(**_whole(carried), support=assembly.pieces[number].name)
-        for number, carried in found.items()
+        Section.of(carried, assembly.pieces[number].name) for number, carried in found.items()
     )
 
 
-def total(found: Iterable[Reaction]) -> Vector:
+def total(found: Iterable[Section]) -> Vector:
     """The sum of the forces, N."""
     return _vector(np.sum([each.force for each in found], axis=0))
 
@@ -165,7 +178,7 @@ def thrust(assembly: Assembly, rows: Sequence[InterfaceRow]) -> list[list[dict[s
     free = {number for number, piece in enumerate(assembly.pieces) if not piece.fixed}
     lines = []
     for chain in chains(list(found), free):
-        points = [Section(**_whole(found[pair])).near for pair in chain]
+        points = [Section.of(found[pair]).near for pair in chain]
         if len(chain) > 1 and None not in points:
             both = zip(points, chain, strict=True)
             lines.append([{"point": [*at], "between": [*pair]} for at, pair in both if at])
@@ -197,30 +210,6 @@ def chains(pairs: Sequence[tuple[int, int]], free: set[int]) -> list[list[tuple[
             row.append(here)
         found.append(row)
     return found
-
-
-def _whole(carried: Sequence[Carried]) -> dict[str, Any]:
-    """The values of a `Section`."""
-    area = np.array([face.area for face, _, _ in carried])
-    sign = np.array([each for _, _, each in carried])
-    places = np.array([face.middle for face, _, _ in carried])
-    middle = area @ places / area.sum()
-    forces = sign[:, None] * np.array(
-        [(row.force_x_N, row.force_y_N, row.force_z_N) for _, row, _ in carried]
-    )
-    acts = [row_point(row) or tuple(face.middle) for face, row, _ in carried]
-    moment = np.cross(np.array(acts) - middle, forces).sum(axis=0)
-    force = forces.sum(axis=0)
-    normal = (sign * area) @ np.array([face.axes[0] for face, _, _ in carried])
-    size, at = float(np.linalg.norm(normal)), None
-    if size > 0.0:
-        unit = normal / size
-        pressed = float(force @ unit)
-        if abs(pressed) > STEEP * float(np.linalg.norm(force)):
-            at = _vector(middle + np.cross(unit, moment) / pressed)
-    corners = np.concatenate([face.corners for face, _, _ in carried])
-    reach = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    return {"force": _vector(force), "middle": _vector(middle), "at": at, "reach": reach}
 
 
 def row_point(row: InterfaceRow) -> Vector | None:

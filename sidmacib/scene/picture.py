@@ -1,6 +1,6 @@
 """A still picture of what a model says of a structure."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.quantities import four_digits
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.forces import row_point
-from sidmacib.structure.analysis.forces import NEXT_TO_NOTHING, InterfaceRow
+from sidmacib.structure.analysis.forces import NEXT_TO_NOTHING
 
 FLAT = 0.4  # of the longer of the other sides: what is less deep is seen from its front
 FROM = np.array([-1.0, -1.7, 0.8])  # the way to who looks at others, as in `structure.js`
@@ -50,9 +50,10 @@ def picture(drawn: Drawn, shape: Mapping[str, Any], title: str, width: float = W
     axes.set_aspect("equal")
     axes.margins(0.08)
     axes.set_title(title, loc="left", fontsize=10, wrap=True)
-    if seen_flat(axes3):
-        axes.set_xlabel(f"{_name(axes3[0])} (m)")
-        axes.set_ylabel(f"{_name(axes3[1])} (m)")
+    if np.isclose(np.abs(axes3), 0.0).sum() == 6:  # along the axes of the blocks
+        across, up = ("xyz"[int(np.abs(axis).argmax())] for axis in axes3[:2])
+        axes.set_xlabel(f"{across} (m)")
+        axes.set_ylabel(f"{up} (m)")
         axes.spines[["top", "right"]].set_visible(False)
     else:
         axes.set_axis_off()
@@ -94,15 +95,6 @@ def view_axes(sides: Floats, pushed: Floats) -> Floats:
     return np.array([right, np.cross(towards, right), towards])
 
 
-def seen_flat(axes: Floats) -> bool:
-    """Whether ``axes`` are those of the blocks."""
-    return bool(np.isclose(np.abs(axes), 0.0).sum() == 6)
-
-
-def _name(axis: Floats) -> str:
-    return "xyz"[int(np.abs(axis).argmax())]
-
-
 def _blocks(axes: Axes, shape: Mapping[str, Any], axes3: Floats) -> None:
     """The faces of blocks that look this way, those further away first.
 
@@ -140,27 +132,23 @@ def _interfaces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Float
                 x, y, _ = (np.array(each["points"])[[*edge, edge[0]]] @ axes3.T).T
                 label = f"first bond failure: {first}" if number == 0 else None
                 axes.plot(x, y, color=VERMILION, lw=2.5, label=label)
-    of_lock = {each["name"] for each in shape["interfaces"] if _is_of_lock(shape, each)}
-    carrying = [row for row in _carrying(drawn.interfaces) if row.interface not in of_lock]
-    if hinges := [place for row in carrying if is_hinge(row) and (place := row_point(row))]:
+    of_lock = {  # which a joint does not turn about
+        each["name"]
+        for each in shape["interfaces"]
+        if any(shape["blocks"][end]["with"] != end for end in each["between"])
+    }
+    sizes = [float(np.hypot(row.normal_N, row.shear_N)) for row in drawn.interfaces]
+    least = NEXT_TO_NOTHING * max(sizes, default=0.0)
+    hinges = [
+        row_point(row)
+        for row, size in zip(drawn.interfaces, sizes, strict=True)
+        if size > least and row.interface not in of_lock
+        # A dry interface turns about its edge; nodes lie on it to a thousandth.
+        if row.bonded_share == 0.0 and (row.eccentricity or 0.0) >= HINGE
+    ]
+    if hinges:
         x, y, _ = axes3 @ np.array(hinges).T
         axes.plot(x, y, "o", color=BLUE, ms=6, mec="white", label="hinge", zorder=4)
-
-
-def _is_of_lock(shape: Mapping[str, Any], interface: Mapping[str, Any]) -> bool:
-    """Whether one of its sides is a lock, which a joint does not turn about."""
-    return any(shape["blocks"][end]["with"] != end for end in interface["between"])
-
-
-def is_hinge(row: InterfaceRow) -> bool:
-    """Whether a dry interface turns about its edge; nodes lie on it to a thousandth."""
-    return row.bonded_share == 0.0 and (row.eccentricity or 0.0) >= HINGE
-
-
-def _carrying(rows: Sequence[InterfaceRow]) -> Iterator[InterfaceRow]:
-    size = {row: float(np.hypot(row.normal_N, row.shear_N)) for row in rows}
-    least = NEXT_TO_NOTHING * max(size.values(), default=0.0)
-    yield from (row for row in rows if size[row] > least)
 
 
 def _forces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -> None:
