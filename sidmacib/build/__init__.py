@@ -7,7 +7,7 @@ the hollows that they lie in: so no solid leaves the shape that the models calcu
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -119,14 +119,18 @@ def solids(
                 owner = owners[part.number % 2]
                 facing = [each for each in others if each.number == part.number]
                 ends = _ends(row, part, facing, gaps, side, own=owner == name)
-                lock = _behind(part.solid, ends)
+                lock: Block | None = part.solid
+                for point, outward in ends:
+                    lock = lock and cut(lock, point, outward)[0]
                 if lock is None:
                     words = f"lock {part.number + 1} of {below} and {above}: a clearance of "
                     raise ValueError(f"{words}{gaps.sides:g} m leaves nothing of it")
                 corners = _grown(lock, growth[owner])
-                locks[owner].append(
-                    corners if owner == name else _rooted(corners, row, side, near, reach)
-                )
+                if owner != name:  # it goes into its own block across the gap
+                    normal = side * row.interface.axes[0]
+                    height = (corners - row.middle) @ normal
+                    corners -= np.outer(np.where(height <= near, height + reach, 0.0), normal)
+                locks[owner].append(corners)
     made = []
     for number, block in enumerate(blocks, start=1):
         parts_of = [_grown(part, growth[block.name]) for part in left[block.name]]
@@ -135,15 +139,6 @@ def solids(
         made.append(_united(number, block, every))
     require_apart(made, {block.name for block in blocks if block.fixed})
     return tuple(made)
-
-
-def _behind(solid: Block, planes: Iterable[Plane]) -> Block | None:
-    """The part of a convex ``solid`` behind all ``planes``; None if there is none."""
-    rest: Block | None = solid
-    for point, outward in planes:
-        if rest is not None:
-            rest, _ = cut(rest, point, outward)
-    return rest
 
 
 def _ends(
@@ -182,13 +177,6 @@ def _grown(part: Block, by: float) -> Floats:
     for face, normal in zip(part.faces, part.normals, strict=True):
         outwards[list(face)] += normal
     return np.asarray(part.places + by * outwards)
-
-
-def _rooted(corners: Floats, row: Row, side: float, near: float, reach: float) -> Floats:
-    """A lock in the other block that goes ``reach`` (m) into its own across a gap of ``near``."""
-    normal = side * row.interface.axes[0]
-    height = (corners - row.middle) @ normal
-    return np.asarray(corners - np.outer(np.where(height <= near, height + reach, 0.0), normal))
 
 
 def _united(number: int, block: Block, parts: Sequence[Floats]) -> Solid:
@@ -255,16 +243,11 @@ def require_apart(made: Sequence[Solid], fixed: set[str]) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """Blocks of one shape, the first of which is drawn; ``axes`` of the drawing, (3, 3)."""
+    """Blocks of one shape; ``drawn``: the first along its own axes, its lowest coordinates 0."""
 
     name: str
-    solids: tuple[Solid, ...]
-    axes: Floats
-
-    @property
-    def drawn(self) -> Solid:
-        """The first one along the axes of the drawing, its lowest coordinates 0."""
-        return laid(self.solids[0], self.axes)
+    solids: list[Solid]
+    drawn: Solid
 
 
 def kinds(solids: Sequence[Solid]) -> tuple[Kind, ...]:
@@ -272,19 +255,15 @@ def kinds(solids: Sequence[Solid]) -> tuple[Kind, ...]:
 
     A mirror image is a kind of its own.
     """
-    groups: list[tuple[Solid, list[Solid]]] = []
+    found: list[Kind] = []
     for each in solids:
         upright = laid(each, own_axes(each))
-        for first, group in groups:
-            if _alike(first, upright):
-                group.append(each)
-                break
+        kind = next((kind for kind in found if _alike(kind.drawn, upright)), None)
+        if kind is None:
+            found.append(Kind(letters(len(found)), [each], upright))
         else:
-            groups.append((upright, [each]))
-    return tuple(
-        Kind(letters(number), tuple(group), own_axes(group[0]))
-        for number, (_, group) in enumerate(groups)
-    )
+            kind.solids.append(each)
+    return tuple(found)
 
 
 def letters(number: int) -> str:

@@ -110,7 +110,7 @@ def threemf(solids: Sequence[Solid], unit: str) -> bytes:
 def step(solids: Sequence[Solid], unit: str) -> bytes:
     """All solids where they are, each by its name, as a file of STEP (AP214).
 
-    Triangles in one plane are one face. `ImportError` with what to install if OpenCASCADE is not.
+    Triangles in one plane are one face. ValueError with what to install if OpenCASCADE is not.
     """
     _ocp("Message").Message.DefaultMessenger_s().ChangePrinters().Clear()  # it prints its progress
     document = _ocp("TDocStd").TDocStd_Document(_ocp("TCollection").TCollection_ExtendedString(""))
@@ -149,5 +149,5 @@ def _ocp(module: str) -> Any:
     try:
         return importlib.import_module(f"OCP.{module}")
     except ImportError:
-        words = "needs the package cadquery-ocp-novtk: pip install multilock[step]"
-        raise ImportError(words) from None
+        words = "--step: needs the package cadquery-ocp-novtk: pip install multilock[step]"
+        raise ValueError(words) from None

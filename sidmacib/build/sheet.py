@@ -23,7 +23,7 @@ from sidmacib.build.views import (
     Detail,
     View,
     cut_place,
-    details,
+    detail,
     distinct,
     section,
     smooth,
@@ -107,7 +107,8 @@ def draw_sheet(kind: Kind, rows: Mapping[Pair, Row], count: int, unit: str, note
     beside = columns[1] + size[0] * scale + ROOM
     below = region(beside, levels[0] - 12, WIDTH - BORDER - 4, levels[1] - ROOM + 6)
     least, most = sorted((above, below), key=lambda each: each.width * each.height)
-    found = details(kind.solids[0], rows)
+    first = kind.solids[0]
+    found = [detail(first, pair, row) for pair, row in rows.items() if first.name in pair]
     if found and least.height < 45.0:
         least = region(most.x0, most.y0, most.x1, most.y0 + 0.4 * most.height)
         most = region(most.x0, least.y1 + 4.0, most.x1, most.y1)

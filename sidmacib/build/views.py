@@ -1,7 +1,6 @@
 """Views of a solid: its edges, those that are hidden told apart, and sections."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -49,12 +48,8 @@ class Detail:
     low: float
 
 
-def details(solid: Solid, rows: Mapping[Pair, Row]) -> tuple[Detail, ...]:
-    """The profile of each row of locks that ``solid`` has a part in."""
-    return tuple(_detail(solid, pair, row) for pair, row in rows.items() if solid.name in pair)
-
-
-def _detail(solid: Solid, pair: Pair, row: Row) -> Detail:
+def detail(solid: Solid, pair: Pair, row: Row) -> Detail:
+    """The profile of a ``row`` of locks between ``solid`` and the other of a ``pair``."""
     (other,) = pair - {solid.name}
     out = row.interface.axes[0] * np.sign(
         (row.middle - solid.places.mean(axis=0)) @ row.interface.axes[0]

@@ -230,7 +230,7 @@ def build(
     """
     with refused_in_one_line(), status_line() as progress:
         from sidmacib.build import Clearance, blocks_of_file, joint_blocks, kinds, solids
-        from sidmacib.command.build import clearance_note, table, write_all, write_step
+        from sidmacib.command.build import clearance_note, table, write_all
 
         given = [name for name, value in flags.items() if value is not None]
         found = None if source is None else blocks_of_file(source)
@@ -247,7 +247,5 @@ def build(
         if note := clearance_note(rows.values(), clearance):
             click.echo(f"Note: {note}", err=True)
         of = kinds(made)
-        write_all(made, of, rows, gaps, output, unit, drawings, progress)
-        if step:
-            write_step(made, output, unit)
+        write_all(made, of, rows, gaps, output, unit, drawings, step, progress)
     click.echo(text_of(table(made, of, unit), form))

@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from sidmacib.build import Clearance, Kind, Solid, laid, own_axes
-from sidmacib.build.files import UNITS, file_name, obj_text, stl, threemf
+from sidmacib.build.files import UNITS, file_name, obj_text, step, stl, threemf
 from sidmacib.build.sheet import draw_sheet, spelled, write_sheet
 from sidmacib.command.answers import Row
 from sidmacib.command.output import text_of, writing
@@ -58,6 +58,7 @@ def write_all(
     folder: Path,
     unit: str,
     drawings: str,
+    with_step: bool,
     progress: Callable[[str], object],
 ) -> None:
     """Write files, table and drawings into ``folder``; `click.UsageError` if that fails."""
@@ -76,16 +77,7 @@ def write_all(
             progress(f"drawing {kind.name} of {of[min(len(of), SHEETS) - 1].name}")
             sheet = draw_sheet(kind, locked, len(made), unit, note)
             write_sheet(sheet, folder / "drawings" / f"{kind.name}.{drawings}")
-    if len(of) > SHEETS:
-        click.echo(f"Note: of {len(of)} kinds the first {SHEETS} are drawn", err=True)
-
-
-def write_step(made: Sequence[Solid], folder: Path, unit: str) -> None:
-    """Write ``made`` as STEP into ``folder``; `click.UsageError` if that fails."""
-    from sidmacib.build.files import step
-
-    try:
-        with writing("--output", folder):
+        if len(of) > SHEETS:
+            click.echo(f"Note: of {len(of)} kinds the first {SHEETS} are drawn", err=True)
+        if with_step:
             (folder / "blocks.step").write_bytes(step(made, unit))
-    except ImportError as error:
-        raise click.UsageError(f"--step: {error}") from None
