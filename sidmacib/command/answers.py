@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from sidmacib.engines import ENGINES
@@ -50,7 +51,7 @@ def usual_models(joint: Joint) -> tuple[str, ...]:
 
 
 def _by_rule(
-    rule: Callable[..., "LawCapacity"],
+    rule: "str | Callable[..., LawCapacity]",
     margin: str,
     failure: str,
     joint: Joint,
@@ -58,20 +59,10 @@ def _by_rule(
     push: Push,
 ) -> Answer:
     """The answer of a rule with its ``margin``, and the ``failure`` unless the joint moves away."""
-    found = rule(joint, direction, push=push)
+    from sidmacib.rule import RULES
+
+    found = (RULES[rule] if isinstance(rule, str) else rule)(joint, direction, push=push)
     return Answer(found.load, "; ".join(filter(None, (margin, found.moves or failure))))
-
-
-def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.rule import law
-
-    return _by_rule(law, "", "first failure", joint, direction, push)
-
-
-def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.rule import safe
-
-    return _by_rule(safe, "margin for the model", "", joint, direction, push)
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
@@ -97,9 +88,8 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
 
     counted = bearing_pairs(joint, push)
     model = Sidmacib(joint, OPTIONS["option4"], active(joint, counted), friction=False)
-    return Answer(
-        capacity(model, direction).load, f"Option 4, {counted} locks count; assumed points"
-    )
+    note = f"Option 4, {counted} locks count; assumed points"
+    return Answer(capacity(model, direction).load, note)
 
 
 def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer:
@@ -144,8 +134,8 @@ def _static_failures(joint: Joint, loading: Loading, first_only: bool) -> Failur
 Model = Callable[[Joint, Direction, Push], Answer]
 ERRORS = (CapacityError, ValueError, ArithmeticError)  # of models that have no answer
 MODELS: dict[str, Model] = {
-    "safe": _safe,
-    "law": _law,
+    "safe": partial(_by_rule, "safe", "margin for the model", ""),
+    "law": partial(_by_rule, "law", "", "first failure"),
     "static": _static,
     "limit": _limit,
     "sidmacib": _sidmacib,
@@ -170,12 +160,11 @@ def resistances(reliability: "Reliability", *, decides: bool) -> dict[str, Model
 
 def meaning(reliability: "Reliability") -> str:
     """What the strengths of a joint are taken for, in one line."""
+    factored = reliability.partial_factor != 1.0
     if reliability.variation:
         words = f"Strengths are means with a scatter of {100.0 * reliability.variation:g} %"
-        return (
-            f"{words}." if reliability.partial_factor != 1.0 else f"{words}; no gamma_M is given."
-        )
-    if reliability.partial_factor != 1.0:
+        return f"{words}." if factored else f"{words}; no gamma_M is given."
+    if factored:
         return "Strengths are taken as characteristic values."
     return "Strengths are taken as design values; if they are means, give --scatter and --gamma-m."
 
@@ -193,28 +182,27 @@ def capacity_rows(
     computed next.
     """
     rows: list[Row] = []
-    for ratio in ratios:
+    for ratio, name in product(ratios, models):
         direction = Direction(ratio)
-        for name, model in models.items():
-            place = f"{len(rows) + 1} of {len(ratios) * len(models)}"
-            progress(f"{place}: {name}, e/a = {ratio:g}")
-            try:
-                answer = model(joint, direction, push)
-            except ERRORS as error:
-                answer = Answer(None, reason(error))
-            load = answer.load
-            rows.append(
-                {
-                    "e/a": "torsion" if math.isinf(ratio) else ratio,
-                    "model": name,
-                    "V (N)": None if load is None else load * direction.shear,
-                    "M (N m)": None if load is None else load * direction.torque * joint.a,
-                    "first failure / load": answer.first_failure,
-                    "mesh error / load": answer.mesh_error,
-                    "peak spread": answer.peak_spread,
-                    "note": answer.note,
-                }
-            )
+        place = f"{len(rows) + 1} of {len(ratios) * len(models)}"
+        progress(f"{place}: {name}, e/a = {ratio:g}")
+        try:
+            answer = models[name](joint, direction, push)
+        except ERRORS as error:
+            answer = Answer(None, reason(error))
+        load = answer.load
+        rows.append(
+            {
+                "e/a": "torsion" if math.isinf(ratio) else ratio,
+                "model": name,
+                "V (N)": None if load is None else load * direction.shear,
+                "M (N m)": None if load is None else load * direction.torque * joint.a,
+                "first failure / load": answer.first_failure,
+                "mesh error / load": answer.mesh_error,
+                "peak spread": answer.peak_spread,
+                "note": answer.note,
+            }
+        )
     return rows
 
 
@@ -230,22 +218,19 @@ def with_factors(
     direction, load = demand.direction(joint), demand.load(joint)
     shear, torque = load * direction.shear, load * direction.torque * joint.a
     key, needed = ("V (N)", shear) if shear else ("M (N m)", torque)
-    found: list[Row] = []
+    found: dict[str, Row] = {}
     for row in rows:
-        factor = None if row[key] is None else row[key] / needed
         loads = {name: row[name] for name in ("e/a", "model", "V (N)", "M (N m)")}
-        found.append({**loads, "factor": factor, **row})
-    by_model = {row["model"]: row for row in found}
-    names = (name for name in ("design", "safe") if name in by_model)
-    decides = by_model[next(names, found[0]["model"])]
-    factor, name = decides["factor"], decides["model"]
-    by = f"by {WORDS.get(name, name)}"
+        factor = None if row[key] is None else row[key] / needed
+        found[row["model"]] = {**loads, "factor": factor, **row}
+    name = next(name for name in ("design", "safe", *found) if name in found)
+    factor, by = found[name]["factor"], f"by {WORDS[name]}"
     if factor is None:
-        return found, f"No answer {by}: {decides['note']}", False
+        return [*found.values()], f"No answer {by}: {found[name]['note']}", False
     both = (("V", shear, "N"), ("M", torque, "N m"))
     what = ", ".join(f"{k} = {four_digits(size)} {unit}" for k, size, unit in both if size)
     words = by_factors(what, factor, f"{factor_of(factor)} {by}")
-    return found, f"{'Yes' if factor >= 1.0 else 'No'}: {words}", factor >= 1.0
+    return [*found.values()], f"{'Yes' if factor >= 1.0 else 'No'}: {words}", factor >= 1.0
 
 
 def reason(error: Exception) -> str:
@@ -265,22 +250,18 @@ def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     from sidmacib.joint.pieces import lock_weights
 
     found = joint_answer(joint, Loading(Direction(ratio), push=push))
+    noise = 1e-9 * max(joint.strengths)  # rounding error of forces that balance
     return [
         {
             "lock": each.lock,
             "block": each.block,
             "weight": each.weight,
-            "Vx (N)": _without_noise(each.shear_x_N, joint),
-            "Vy (N)": _without_noise(each.shear_y_N, joint),
+            "Vx (N)": each.shear_x_N if abs(each.shear_x_N) > noise else 0.0,
+            "Vy (N)": each.shear_y_N if abs(each.shear_y_N) > noise else 0.0,
             "largest shear / cohesion": each.max_shear_ratio,
         }
         for each in lock_weights(joint, found.assembly, found.solution.peak.force)
     ]
-
-
-def _without_noise(force: float, joint: Joint) -> float:
-    """The force, or 0 for the rounding error of forces that balance."""
-    return force if abs(force) > 1e-9 * max(joint.strengths) else 0.0
 
 
 def effect_rows(
@@ -298,10 +279,10 @@ def effect_rows(
     loading = Loading(Direction(ratio), push=push)
     found = sensitivity(joint, loading, meshes(joint)[1], progress=progress)
     locks = lock_faces(joint)
-    where = (f"root of lock {locks[face]}" if face in locks else face for face in found.faces)
-    words = (
-        f"First failure at V = {found.shear:.4g} N, M = {found.torque:.4g} N m: {', '.join(where)}."
+    where = ", ".join(
+        f"root of lock {locks[face]}" if face in locks else face for face in found.faces
     )
+    loads = f"V = {found.shear:.4g} N, M = {found.torque:.4g} N m"
     rows = [
         {
             "parameter": each.name,
@@ -315,6 +296,7 @@ def effect_rows(
         }
         for each in found.effects
     ]
+    words = f"First failure at {loads}: {where}."
     return words, sorted(rows, key=lambda row: -abs(row["1 % more (%)"] or 0.0))
 
 
@@ -322,29 +304,21 @@ def law_rows(joint: Joint, push: Push) -> list[Row]:
     """Numbers of effective locks in pure shear: the closed form, the law, the safe rule."""
     from sidmacib.rule.pairs import pairs_of
 
-    pairs = pairs_of(joint, push)
+    pairs, pair_words = pairs_of(joint, push), "(n - 1) / 2 for an odd number of locks"
+    endless, length = (
+        value if math.isfinite(value) else None for value in (pairs.most, pairs.transfer_length)
+    )
+    length_words = "pairs over which lock forces fall to 1 / 2.718"
     results: list[tuple[str, Any, str]] = [
-        ("bearing pairs of locks", pairs.count, "(n - 1) / 2 for an odd number of locks"),
+        ("bearing pairs of locks", pairs.count, pair_words),
         ("effective locks, closed form", pairs.working, "V / T0, columns without friction"),
-        (
-            "effective locks, endless joint",
-            _finite(pairs.most),
-            "limit of the closed form for many locks",
-        ),
-        (
-            "transfer length",
-            _finite(pairs.transfer_length),
-            "pairs over which lock forces fall to 1 / 2.718",
-        ),
+        ("effective locks, endless joint", endless, "limit of the closed form for many locks"),
+        ("transfer length", length, length_words),
     ]
-    for row in capacity_rows(joint, [0.0], {"law": _law, "safe": _safe}, push):
+    rules = {name: MODELS[name] for name in ("law", "safe")}
+    for row in capacity_rows(joint, [0.0], rules, push):
         load = row["V (N)"]
         working = None if load is None else load / joint.T0
         results.append((f"effective locks, {row['model']}", working, row["note"]))
         results.append((f"V (N), {row['model']}", load, row["note"]))
     return [{"what": what, "value": value, "note": note} for what, value, note in results]
-
-
-def _finite(value: float) -> float | None:
-    """None for what has no limit."""
-    return value if math.isfinite(value) else None

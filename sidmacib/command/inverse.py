@@ -76,14 +76,13 @@ def values_of(given: Sequence[str]) -> Values:
 
 def _steps(parts: Sequence[str], number: Number) -> tuple[float, ...]:
     """From the least to the largest value of a number, in steps."""
-    if len(parts) not in (2, 3):
+    if len(parts) > 3:
         raise ValueError(f"{shown(':'.join(parts))} is not allowed; it must be from:to:step")
     low, high = number.read(parts[0]), number.read(parts[1])
     if len(parts) == 2 and not number.whole:
         raise ValueError("must have a step, as in 0.04:0.12:0.01")
-    step = Number(above=0, whole=number.whole, unit=number.unit).read(
-        parts[2] if len(parts) == 3 else "1"
-    )
+    steps = Number(above=0, whole=number.whole, unit=number.unit)
+    step = steps.read(parts[2] if len(parts) == 3 else "1")
     count = math.floor((high - low) / step * (1.0 + 1e-12) + 1e-9) + 1
     if not 0 < count <= MOST:
         raise ValueError(f"has {max(count, 0)} values; it must have from 1 to {MOST}")
@@ -153,8 +152,8 @@ def note_of(each: Candidate, values: Mapping[str, Sequence[float]]) -> str:
         return each.reason
     words = _answer(each)
     if not each.meets:
-        most = each.shear or 0.0, each.torque or 0.0
-        return words if each.exact else f"{words}: at most {most[0]:.4g} N, {most[1]:.4g} N m"
+        most = f"at most {each.shear or 0.0:.4g} N, {each.torque or 0.0:.4g} N m"
+        return words if each.exact else f"{words}: {most}"
     ends = [
         name
         for name, among in values.items()
@@ -167,7 +166,10 @@ def why_none(tried: Sequence[Candidate]) -> str:
     """Reason why none of the joints that were tried carries the load."""
     refused = [each.reason for each in tried if each.load is None]
     usage = [each.usage for each in tried if each.usage is not None]
-    words = [f"{_all_of(tried)} is strong enough"]
+    locks = [each.joint.locks for each in tried]
+    words = [f"none of {len(tried)} joints is strong enough"]
+    if len(locks) > 1 and locks == list(range(locks[0], locks[-1] + 1)):
+        words = [f"no joint with {locks[0]} to {locks[-1]} locks is strong enough"]
     if usage:
         share = np.format_float_positional(100.0 / min(usage), 3, fractional=False, trim="-")
         words.append(f"the strongest reaches {share} % of the load")
@@ -175,14 +177,6 @@ def why_none(tried: Sequence[Candidate]) -> str:
         commonest = max(dict.fromkeys(refused), key=refused.count)
         words.append(f"the rule refuses {len(refused)} of them, for example: {commonest}")
     return "; ".join(words)
-
-
-def _all_of(tried: Sequence[Candidate]) -> str:
-    """The subject of a sentence that denies something of all of them."""
-    locks = [each.joint.locks for each in tried]
-    if len(locks) > 1 and locks == list(range(locks[0], locks[-1] + 1)):
-        return f"no joint with {locks[0]} to {locks[-1]} locks"
-    return f"none of {len(tried)} joints"
 
 
 def _answer(each: Candidate) -> str:

@@ -7,10 +7,13 @@ same file; whoever signs it writes the date.
 import math
 import shlex
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from sidmacib.answers.joint import joint_answer, joint_mesh_error
 from sidmacib.command.output import in_asked_words, refused_in_one_line, write_text
@@ -33,7 +36,6 @@ from sidmacib.rule import (
     weakened,
 )
 from sidmacib.rule.reliability import (
-    Characteristic,
     Reliability,
     Scatter,
     characteristic,
@@ -85,11 +87,23 @@ def joint_note(case: Case, command: str) -> str:
     joint, direction, push = case.joint, case.direction, case.push
     resistance = design_resistance(joint, direction, case.reliability, push).load
     weak, fractile = joint, None
-    if case.reliability.variation:
-        found = characteristic(joint, direction, case.reliability.variation, push)
-        weak, fractile = weakened(joint, found.margin), _fractile(case, found)
+    if variation := case.reliability.variation:
+        found = characteristic(joint, direction, variation, push)
+        weak = weakened(joint, found.margin)
+        lost = first_failure(weak, Loading(direction, push=push))
+        scatter = Scatter(lost.load, lost.utilisation / found.margin, variation)
+        fractile = {
+            "deviation": log_deviation(variation),
+            "survival": scatter.survival(lost.load),
+            "load": found.capacity.load,
+            "margin": found.margin,
+        }
     state = first_failure(joint, Loading(direction, push=push))
     loads, _ = weak_failures(weak, direction, push)
+    ratio = direction.eccentricity
+    load = f"V at e = {ratio:g} a = {1e3 * ratio * joint.a:g} mm, so M = V e"
+    if math.isinf(ratio):
+        load = "Pure torsion, torque M about the vertical axis"
     return rendered(
         TEMPLATE,
         title=f"Calculation note: joint of {joint.locks} interlocking locks",
@@ -98,7 +112,7 @@ def joint_note(case: Case, command: str) -> str:
         resistance=resistance,
         margin=margin_of(joint),
         at=_drawing(joint, direction, push),
-        load=_load(case),
+        load=load,
         parameters=_parameters(joint),
         locks=_locks(state, joint),
         first=state.load,
@@ -150,13 +164,6 @@ def _drawing(joint: Joint, direction: Direction, push: Push) -> dict[str, Any]:
     }
 
 
-def _load(case: Case) -> str:
-    ratio, arm = case.direction.eccentricity, case.direction.eccentricity * case.joint.a
-    if math.isinf(ratio):
-        return "Pure torsion, torque M about the vertical axis"
-    return f"V at e = {ratio:g} a = {1e3 * arm:g} mm, so M = V e"
-
-
 def _parameters(joint: Joint) -> list[Cells]:
     """Words, value and unit of each parameter that ``joint`` has, two in a row."""
     cells: list[Cells] = []
@@ -170,41 +177,23 @@ def _parameters(joint: Joint) -> list[Cells]:
                     value, unit = f"{value} of {joint.hold_down.amount:g}", amount.unit
             cells.append((each.words, f"{value:g}" if isinstance(value, float) else value, unit))
     half = -(-len(cells) // 2)
-    return [
-        (*left, *right)
-        for left, right in zip(cells[:half], [*cells[half:], ("",) * 3], strict=False)
-    ]
+    pairs = zip_longest(cells[:half], cells[half:], fillvalue=("",) * 3)
+    return [(*left, *right) for left, right in pairs]
 
 
 def _locks(state: JointFailure, joint: Joint) -> list[Cells]:
     """Locks that carry more than next to nothing, in a row each."""
     least = SLIGHT * float(state.utilisation.max())
-    forces = map(_clean, (state.force_x, state.force_y, state.torque))
+    # Without the rounding error of forces that balance.
+    x, y, turn = (
+        np.where(np.abs(each) > 1e-9 * np.abs(each).max(), each, 0.0)
+        for each in (state.force_x, state.force_y, state.torque)
+    )
     return [
-        (lock, f"{x:.4g}", f"{y:.4g}", f"{turn:.3g}", f"{used:.3f}")
-        for lock, x, y, turn, used in zip(joint.numbers, *forces, state.utilisation, strict=True)
+        (lock, f"{x[k]:.4g}", f"{y[k]:.4g}", f"{turn[k]:.3g}", f"{used:.3f}")
+        for k, (lock, used) in enumerate(zip(joint.numbers, state.utilisation, strict=True))
         if used >= least
     ]
-
-
-def _clean(values: Iterable[float]) -> list[float]:
-    """Values without the rounding error of those that balance."""
-    numbers = [float(value) for value in values]
-    noise = 1e-9 * max(map(abs, numbers))
-    return [value if abs(value) > noise else 0.0 for value in numbers]
-
-
-def _fractile(case: Case, found: Characteristic) -> dict[str, float]:
-    """Numbers of the equations of the characteristic resistance."""
-    variation, loading = case.reliability.variation, Loading(case.direction, push=case.push)
-    state = first_failure(weakened(case.joint, found.margin), loading)
-    scatter = Scatter(state.load, state.utilisation / found.margin, variation)
-    return {
-        "deviation": log_deviation(variation),
-        "survival": scatter.survival(state.load),
-        "load": found.capacity.load,
-        "margin": found.margin,
-    }
 
 
 def _checks(case: Case, resistance: float) -> Iterator[Cells]:

@@ -93,7 +93,7 @@ class Written(click.Path):
 PICTURE, PAGE = Written(".png", ".svg", ".pdf"), Written(".html")
 
 
-def _keep_units(ctx: click.Context, param: click.Parameter, value: str | None) -> None:
+def _keep_units(ctx: click.Context, _: click.Parameter, value: str | None) -> None:
     """Keep the unit asked for, and its size, by the SI unit in its place."""
     try:
         for spelled in value.split(",") if value else ():
@@ -270,19 +270,14 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
         raise click.UsageError(str(error)) from None
     for doubt in unit_warnings(joint):
         click.echo(f"Note: {doubt}", err=True)
-    _require_stout(joint)
-    return joint
-
-
-def _require_stout(joint: Joint) -> None:
-    """`click.UsageError` for a joint of more cells than a command line should wait for."""
+    most = SLENDER * joint.least_side
     for name in SIZES:
-        size, most = getattr(joint, name), SLENDER * joint.least_side
-        if size > most:
+        if (size := getattr(joint, name)) > most:
             raise click.UsageError(
                 f"-{name}: {size:g} m is not allowed; it must be at most {most:g} m, {SLENDER} "
                 "times the shorter side of a lock (a or b)"
             )
+    return joint
 
 
 def _from_file(path: Path) -> dict[str, Any]:
@@ -305,7 +300,4 @@ def _from_file(path: Path) -> dict[str, Any]:
 
 
 def _in_file(path: Path, words: str) -> click.UsageError:
-    name = str(path)
-    if not name.isprintable() or len(name) > 100:
-        name = shown(name)
-    return click.UsageError(f"--file {name}: {words}")
+    return click.UsageError(f"--file {path}: {words}")

@@ -69,7 +69,17 @@ def text_of(rows: Sequence[Row], form: str) -> str:
 def in_asked_units(rows: Sequence[Row]) -> list[Row]:
     """``rows`` in the units that were asked for, their notes too."""
     asked = _asked_units()
-    return [dict(_in_units(key, value, asked) for key, value in row.items()) for row in rows]
+
+    def converted(key: str, value: Any) -> tuple[str, Any]:
+        name, _, unit = key.removesuffix(")").rpartition(" (")
+        if key == "note":
+            return key, in_asked_words(value)
+        if unit not in asked or not key.endswith(")"):
+            return key, value
+        other, size = asked[unit]
+        return f"{name} ({other})", value / size if isinstance(value, int | float) else value
+
+    return [dict(converted(key, value) for key, value in row.items()) for row in rows]
 
 
 def in_asked_words(words: str) -> str:
@@ -93,24 +103,11 @@ def _asked_units() -> Mapping[str, tuple[str, float]]:
     return found
 
 
-def _in_units(key: str, value: Any, asked: Mapping[str, tuple[str, float]]) -> tuple[str, Any]:
-    """A column's name and a value in it, in the unit ``asked`` for in place of the SI unit."""
-    name, _, unit = key.removesuffix(")").rpartition(" (")
-    if key == "note":
-        return key, in_asked_words(value)
-    if unit not in asked or not key.endswith(")"):
-        return key, value
-    other, size = asked[unit]
-    return f"{name} ({other})", value / size if isinstance(value, int | float) else value
-
-
 def cell(value: Any) -> str:
     """A value as tables show it."""
     if value is None:
         return "-"
-    if not isinstance(value, float):
-        return str(value)
-    return four_digits(value)
+    return four_digits(value) if isinstance(value, float) else str(value)
 
 
 def say(words: str, form: str) -> None:
@@ -210,10 +207,7 @@ def curves(rows: Sequence[Row], title: str, note: str, *, joined: bool = True) -
 
     Points alone unless ``joined``: a line between few directions may lie above what is carried.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.0, 4.5), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = plot(title, "", "", height=4.5)
     for model in dict.fromkeys(row["model"] for row in rows):
         points = [row for row in rows if row["model"] == model and row["V (N)"] is not None]
         points.sort(key=lambda row: math.inf if row["e/a"] == "torsion" else row["e/a"])
