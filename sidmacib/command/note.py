@@ -99,7 +99,7 @@ def joint_note(case: Case, command: str) -> str:
             "margin": found.margin,
         }
     state = first_failure(joint, Loading(direction, push=push))
-    loads, _ = weak_failures(weak, direction, push)
+    loads = [load for load, _ in weak_failures(weak, direction, push)]
     ratio = direction.eccentricity
     load = f"V at e = {ratio:g} a = {1e3 * ratio * joint.a:g} mm, so M = V e"
     if math.isinf(ratio):

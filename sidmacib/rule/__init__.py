@@ -12,7 +12,8 @@ safe load relative to its first failure.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -113,11 +114,8 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
 def weakened(joint: Joint, margin: float) -> Joint:
     """``joint`` with all its strengths divided by ``margin``."""
     inner = joint.inner
-    weak = replace(
-        inner,
-        cohesion=inner.cohesion / margin,
-        tensile_strength=inner.tensile_strength / margin,
-    )
+    cohesion, tensile_strength = inner.cohesion / margin, inner.tensile_strength / margin
+    weak = replace(inner, cohesion=cohesion, tensile_strength=tensile_strength)
     return replace(joint, inner=weak)
 
 
@@ -216,7 +214,7 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
 
     Errors of `law`. `CapacityError` too if the meshes differ too much.
     """
-    loads, modes = weak_failures(joint, direction, push)
+    loads, modes = zip(*weak_failures(joint, direction, push), strict=True)
     most = law(joint, direction, push).load / PATH
     least = below_meshes(loads)
     if least <= 0.0:
@@ -234,45 +232,33 @@ def below_meshes(loads: Sequence[float]) -> float:
 
 def weak_failures(
     joint: Joint, direction: Direction, push: Push = Push.PLUS_Y
-) -> tuple[list[float], list[Mode]]:
-    """Loads (N) with the margin of the safe rule on each of its meshes, and how the joint fails.
+) -> Iterator[tuple[float, Mode]]:
+    """The load (N) with the margin of the safe rule on each of its meshes, and how the joint fails.
 
-    Errors of `law`.
+    From the coarsest on, whose load is an upper bound of the safe load. Errors of `law`.
     """
     require_covered(joint)
-    found = [_weak_failure(joint, direction, push, cells) for cells in _meshes(joint)]
-    return [load for load, _ in found], [mode for _, mode in found]
-
-
-def at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> float:
-    """An upper bound of the safe load (N), in less time than it takes; errors of `law`."""
-    require_covered(joint)
-    return _weak_failure(joint, direction, push, _meshes(joint)[0])[0]
-
-
-def _weak_failure(joint: Joint, direction: Direction, push: Push, cells: int) -> tuple[float, Mode]:
-    """The load (N) with the margin of the safe rule, and how the joint fails there."""
     margin, loading = margin_of(joint), Loading(direction, push=push)
     weak = weakened(joint, margin)
-    found = first_failure(weak, loading, cells)
-    if found.mode is Mode.BONDS:
-        return found.load, found.mode
-    try:
-        smooth = first_failure(replace(weak, dry=replace(weak.dry, friction=0.0)), loading, cells)
-    except CapacityError:  # friction alone holds it, and is used up wherever it moves
-        return found.load / margin, found.mode
-    return min(found.load / margin, smooth.load / PATH), found.mode
+    smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
+    meshes: tuple[int, ...] = (COARSE, FINE)
+    if joint.elastic is not None:
+        meshes = ELASTIC, FINE_ELASTIC
+    elif spans_of(joint)[STIFF] > STIFFER:
+        meshes = COARSE, FINE, FINEST
+    for cells in meshes:
+        found = first_failure(weak, loading, cells)
+        load = found.load
+        if found.mode is not Mode.BONDS:
+            load /= margin
+            with suppress(CapacityError):  # friction alone holds it, and is used up where it moves
+                load = min(load, first_failure(smooth, loading, cells).load / PATH)
+        yield load, found.mode
 
 
 def margin_of(joint: Joint) -> float:
     """What the safe rule divides the strengths of ``joint`` by."""
     return SAFETY if joint.elastic is None else SAFETY_ELASTIC
-
-
-def _meshes(joint: Joint) -> tuple[int, ...]:
-    if joint.elastic is not None:
-        return ELASTIC, FINE_ELASTIC
-    return (COARSE, FINE, FINEST) if spans_of(joint)[STIFF] > STIFFER else (COARSE, FINE)
 
 
 def spans_of(joint: Joint) -> dict[str, float]:
@@ -304,15 +290,13 @@ def require_covered(joint: Joint) -> None:
     for name, value in spans_of(joint).items():
         low, high = SPANS[name]
         if not low * (1.0 - STRETCH) <= value <= high * (1.0 + STRETCH):
-            allowed = (
-                f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
-            )
+            allowed = f"from {low:g} to {high:g}"
+            if math.isinf(high):
+                allowed = f"at least {low:g}, or rigid"
             short = float(f"{value:.4g}")
-            raise refused(
-                name,
-                int(short) if short.is_integer() else short,
-                f"{allowed}, where the rule was tested; else use the static model",
-            )
+            shown = int(short) if short.is_integer() else short
+            where = f"{allowed}, where the rule was tested; else use the static model"
+            raise refused(name, shown, where)
 
 
 def capacity_of(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:

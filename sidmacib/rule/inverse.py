@@ -13,8 +13,8 @@ from itertools import product
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
-from sidmacib.rule import SPANS
-from sidmacib.rule.reliability import DESIGN_VALUES, Reliability, at_most_resists, design_resistance
+from sidmacib.rule import SPANS, weak_failures
+from sidmacib.rule.reliability import DESIGN_VALUES, Reliability, design_resistance
 from sidmacib.validation import refused, require_not_negative
 
 SIZES = ("locks", "a", "b", "h", "H")  # what may vary
@@ -148,20 +148,14 @@ class Candidate:
         return None if self.load is None else self.load * self.direction.torque * self.joint.a
 
 
-def candidate(
-    joint: Joint, demand: Demand, push: Push = Push.PLUS_Y, *, exact: bool = True
-) -> Candidate:
-    """``joint`` beside ``demand``: what the safe rule says of it.
-
-    ``exact``: whether the safe load is wanted even where an upper bound of it already says that the
-    joint is too weak; that takes several times as long.
-    """
+def candidate(joint: Joint, demand: Demand, push: Push = Push.PLUS_Y) -> Candidate:
+    """``joint`` beside ``demand``: what the safe rule says of it, or why it refuses it."""
     needed, direction = demand.load(joint), demand.direction(joint)
     try:
-        if not exact:
-            most = at_most_resists(joint, direction, demand.reliability, push)
-            if most < needed:
-                return Candidate(joint, direction, needed, most, exact=False)
+        most, _ = next(weak_failures(joint, direction, push))
+        most /= demand.reliability.partial_factor
+        if most < needed:
+            return Candidate(joint, direction, needed, most, exact=False)
         load = design_resistance(joint, direction, demand.reliability, push).load
         return Candidate(joint, direction, needed, load)
     except REFUSALS as error:
@@ -192,7 +186,7 @@ def _first(joints: Sequence[Joint], demand: Demand, push: Push) -> Search:
     """The first of ``joints`` that meets the ``demand``."""
     tried = []
     for each in joints:
-        tried.append(candidate(each, demand, push, exact=False))
+        tried.append(candidate(each, demand, push))
         if tried[-1].meets:
             return Search(tried[-1], tuple(tried))
     return Search(None, tuple(tried))
@@ -226,7 +220,7 @@ def all_candidates(
 
     Arguments and errors of `cheapest`; in the order of ``values``, the last varying fastest.
     """
-    return tuple(candidate(each, demand, push, exact=False) for each in variants(joint, values))
+    return tuple(candidate(each, demand, push) for each in variants(joint, values))
 
 
 def cheapest_of(candidates: Sequence[Candidate], prices: Prices = AREA) -> Candidate | None:

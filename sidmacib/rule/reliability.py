@@ -30,7 +30,6 @@ from sidmacib.mechanics.solution import Mode
 from sidmacib.rule import (
     JointFailure,
     LawCapacity,
-    at_most,
     capacity_of,
     first_failure,
     require_covered,
@@ -221,10 +220,3 @@ def resistances(
     if reliability.partial_factor != 1.0 or (decides and reliability.variation):
         asked["design"] = partial(design_resistance, reliability=reliability)
     return asked
-
-
-def at_most_resists(
-    joint: Joint, direction: Direction, reliability: Reliability, push: Push = Push.PLUS_Y
-) -> float:
-    """An upper bound of the design resistance (N), in less time; errors of `sidmacib.law`."""
-    return at_most(joint, direction, push) / reliability.partial_factor
