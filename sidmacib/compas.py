@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from sidmacib.errors import CapacityError, UnboundedError
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats
 from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.compas_results import compas_results
@@ -71,11 +71,15 @@ def multilock_solve(
     if limit and not total:
         raise ValueError("limit: the problem must have loads on free blocks, to be raised")
     loads = replace(always, variable=given / (total or 1.0), scale=max(always.scale, total))
-    if limit:
-        state = limit_state(assembly, loads)
-        factor: float | None = state.load / total
-    else:
-        factor = _factor(assembly, loads, total)
+    factor: float | None = None
+    if total:
+        try:
+            state = limit_state(assembly, loads)
+            factor = state.load / total
+        except UnboundedError:
+            if limit:
+                raise
+    if not limit:
         if factor is not None and factor < 1.0 - SAME:
             raise CapacityError(f"no equilibrium: the model carries {factor:.4g} of its loads")
         state = limit_state(assembly, loads, most=total)
@@ -103,16 +107,6 @@ def show_forces(model: Any, results: Any) -> None:
             model.graph.add_edge(one, other)
             edge = (one, other)
         model.graph.edge_attribute(edge, "contacts", contacts)
-
-
-def _factor(assembly: Assembly, loads: Loads, total: float) -> float | None:
-    """The largest multiple of the loads that is carried; None if there is no largest."""
-    if not total:
-        return None
-    try:
-        return limit_state(assembly, loads).load / total
-    except UnboundedError:
-        return None
 
 
 def _described(problem: Any, laws: Mapping[str, Any] | str | Path | None) -> dict[str, Any]:

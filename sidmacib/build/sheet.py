@@ -112,7 +112,11 @@ def draw_sheet(kind: Kind, rows: Mapping[Pair, Row], count: int, unit: str, note
     if found and least.height < 45.0:
         least = region(most.x0, most.y0, most.x1, most.y0 + 0.4 * most.height)
         most = region(most.x0, least.y1 + 4.0, most.x1, most.y1)
-    _tilted(axes, view(solid, TILTED), most)
+    seen = view(solid, TILTED)
+    extent = np.ptp(seen.visible.reshape(-1, 2), axis=0)
+    tilted = min(most.width / extent[0], (most.height - 6) / extent[1])
+    shown = View(seen.visible, seen.hidden[:0])
+    _draw(axes, Placed("from a corner, not to scale", shown, (most.x0, most.y0), tilted))
     _details(axes, found, least, unit)
     _words(axes, kind, count, unit, ratio, note)
     return figure
@@ -243,14 +247,6 @@ def _chain(
 def spelled(number: float) -> str:
     """A dimension with at most two digits behind the point, or four significant ones."""
     return f"{number:.2f}".rstrip("0").rstrip(".") if number >= 10 else f"{number:.4g}"
-
-
-def _tilted(axes: Axes, seen: View, room: Bbox) -> None:
-    """A view from a corner, not to scale."""
-    extent = np.ptp(seen.visible.reshape(-1, 2), axis=0)
-    scale = min(room.width / extent[0], (room.height - 6) / extent[1])
-    shown = View(seen.visible, seen.hidden[:0])
-    _draw(axes, Placed("from a corner, not to scale", shown, (room.x0, room.y0), scale))
 
 
 def _details(axes: Axes, found: Sequence[Detail], room: Bbox, unit: str) -> None:

@@ -92,7 +92,11 @@ def passes(wanted: Wanted) -> bool:
     """
     if wanted.without_load:
         wanted.refuse("must not be given beside --reserve, which leaves out all loads", "case")
-        wanted = replace(wanted, description=without_loads(wanted.description))
+        description = wanted.description
+        if isinstance(description, dict):
+            loads = "load", "load_cases"
+            description = {key: each for key, each in description.items() if key not in loads}
+        wanted = replace(wanted, description=description)
     demands = demands_of(wanted.description, wanted.file.parent)
     first = demands[0]
     if wanted.engines and not isinstance(first.problem.loads, SupportMotion):
@@ -101,7 +105,12 @@ def passes(wanted: Wanted) -> bool:
     for line in wanted.notes:
         click.echo(f"Note: {line}", err=True)
     if wanted.case is not None:
-        first = chosen_case(demands, wanted.case)
+        names = [demand.case for demand in demands if demand.case is not None]
+        if not names:
+            raise ValueError(f"--case {wanted.case}: the file has no load_cases")
+        if wanted.case not in names:
+            raise refused("--case", wanted.case, " or ".join(names))
+        first = demands[names.index(wanted.case)]
     elif not first.raises:
         return _reserve_passes(wanted, first)
     elif first.case is not None:
@@ -273,20 +282,3 @@ def _stands(found: Reserve) -> str:
 
 def _way(push: Push) -> str:
     return f"({', '.join(f'{each:.3g}' for each in push.direction[:2])})"
-
-
-def chosen_case(demands: Sequence[Demand], name: str) -> Demand:
-    """The load case called ``name``; ValueError if there is none."""
-    names = [str(demand.case) for demand in demands if demand.case is not None]
-    if not names:
-        raise ValueError(f"--case {name}: the file has no load_cases")
-    if name not in names:
-        raise refused("--case", name, " or ".join(names))
-    return demands[names.index(name)]
-
-
-def without_loads(description: Any) -> Any:
-    """A ``description`` in plain values without what is raised."""
-    if not isinstance(description, dict):
-        return description
-    return {key: value for key, value in description.items() if key not in ("load", "load_cases")}

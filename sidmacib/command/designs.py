@@ -34,25 +34,30 @@ def verdict(design: Design) -> str:
 
 def design_tables(design: Design) -> dict[str, list[Row]]:
     """The tables of a design by name: cost, locks, checks, order."""
-    return {
-        "cost": cost_rows(design),
-        "locks": lock_rows(design),
-        "checks": check_rows(design),
-        "order of placing": [*order_rows(design)],
-    }
-
-
-def cost_rows(design: Design) -> list[Row]:
-    """Cost, bound and gap of the search for directions, and of whole rows."""
-    found = (
-        ("mixed rows, one direction for each interface", design.mixed.cost, design.mixed.bound),
-        ("whole rows", design.whole.cost, design.whole.bound),
+    mixed, whole = design.mixed, design.whole
+    searches = (
+        ("mixed rows, one direction for each interface", mixed.cost, mixed.bound),
+        ("whole rows", whole.cost, whole.bound),
         ("design, against the bound at full lock strength", design.cost, design.bound),
     )
-    return [
-        {"search": what, "cost": cost, "bound": bound, "gap": 1.0 - bound / cost if cost else 0.0}
-        for what, cost, bound in found
-    ]
+    return {
+        "cost": [
+            {"search": what, "cost": cost, "bound": bound, "gap": cost and 1.0 - bound / cost}
+            for what, cost, bound in searches
+        ],
+        "locks": lock_rows(design),
+        "checks": [
+            {
+                "case": check.case,
+                "model": check.model,
+                "factor": check.factor if check.factor is None else float(check.factor),
+                "decides": "yes" if check.decides else "no",
+                "note": check.note,
+            }
+            for check in design.checks
+        ],
+        "order of placing": [*order_rows(design)],
+    }
 
 
 def lock_rows(design: Design) -> list[Row]:
@@ -78,20 +83,6 @@ def lock_rows(design: Design) -> list[Row]:
             }
         )
     return found
-
-
-def check_rows(design: Design) -> list[Row]:
-    """Load that each model carries in each case, over the case's load."""
-    return [
-        {
-            "case": check.case,
-            "model": check.model,
-            "factor": check.factor if check.factor is None else float(check.factor),
-            "decides": "yes" if check.decides else "no",
-            "note": check.note,
-        }
-        for check in design.checks
-    ]
 
 
 def order_rows(design: Design) -> Iterator[Row]:

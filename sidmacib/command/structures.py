@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import click
 
@@ -31,9 +31,6 @@ from sidmacib.structure.files.sections import StructureFile
 from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import SupportMotion, free_weight, naming_permanent
 from sidmacib.structure.warnings import structure_warnings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 FULL = 1.0 - 1e-4  # of a limit: an interface that uses more is at it
 MOST = 6  # names in a note
@@ -318,16 +315,11 @@ def write_curve(rows: Sequence[Row], title: str, curve: Path | None, picture: Pa
     if curve is not None:
         write_text(text_of(rows, "csv") + "\n", curve, "--capacity-curve")
     if picture is not None:
-        draw(_picture(rows, title), picture)
-
-
-def _picture(rows: Sequence[Row], title: str) -> "Figure":
-    """The first number of ``rows`` to the right, the second upwards."""
-    moved, force = list(rows[0])[:2]
-    figure, axes = plot(title, moved, force)
-    axes.plot([row[moved] for row in rows], [row[force] for row in rows], color=SKY)
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=min(0.0, *(row[force] for row in rows)))
-    axes.grid(color="#dddddd", linewidth=0.6)
-    axes.set_axisbelow(True)
-    return figure
+        moved, force = list(rows[0])[:2]
+        figure, axes = plot(title, moved, force)
+        axes.plot([row[moved] for row in rows], [row[force] for row in rows], color=SKY)
+        axes.set_xlim(left=0)
+        axes.set_ylim(bottom=min(0.0, *(row[force] for row in rows)))
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_axisbelow(True)
+        draw(figure, picture)

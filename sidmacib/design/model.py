@@ -179,9 +179,8 @@ class DesignProblem:
 
 @dataclass(frozen=True, eq=False)
 class CaseForces:
-    """Unknown forces of a case, in units: at ``nodes`` (N, 3), across locks (K,)."""
+    """Unknown forces of a case, in units: across ``locks``, (K,), and those at nodes."""
 
-    nodes: cp.Variable
     locks: cp.Variable
     constraints: list[cp.Constraint]
     limits: tuple[cp.Constraint, cp.Constraint]  # of locks, either way
@@ -211,4 +210,4 @@ def case_forces(
         nodes[:, 0] >= -cone.torn / unit,
         *either,
     ]
-    return CaseForces(nodes, locks, constraints, either)
+    return CaseForces(locks, constraints, either)

@@ -2,7 +2,7 @@
 
 import importlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,8 @@ def page(data: Mapping[str, Any], words: Mapping[str, Any], template: Path = TEM
     of the ``template``. ValueError without the package plotly.
     """
     # Names of blocks may hold anything: nothing in them ends the script that they are in.
-    text = json.dumps(_short(data), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    short = json.loads(json.dumps(data, allow_nan=False), parse_float=_rounded)
+    text = json.dumps(short, separators=(",", ":")).replace("</", "<\\/")
     return rendered(
         template,
         data=text,
@@ -54,12 +55,5 @@ def rendered(template: Path, **words: Any) -> str:
     return environment.get_template(template.name).render(version=version("multilock"), **words)
 
 
-def _short(value: Any) -> Any:
-    """``value`` with fewer digits, to save room."""
-    if isinstance(value, float):
-        return float(f"{value:.{DIGITS}g}")
-    if isinstance(value, Mapping):
-        return {key: _short(each) for key, each in value.items()}
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return [_short(each) for each in value]
-    return value
+def _rounded(text: str) -> float:
+    return float(f"{float(text):.{DIGITS}g}")
