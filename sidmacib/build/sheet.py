@@ -227,21 +227,19 @@ def _chain(
     pairs = np.zeros((len(stops), 2))
     pairs[:, axis] = stops
     along = each.on_paper(pairs)[:, axis]
-    ends, level = (along[0], along[-1]), (across, across)
-    axes.plot(*((ends, level) if axis == 0 else (level, ends)), color=BLACK, lw=0.4)
+    turn = 1 if axis == 0 else -1  # of a pair: along, across to x, y
+    axes.plot(*((along[0], along[-1]), (across, across))[::turn], color=BLACK, lw=0.4)
     for place in along:
         stroke = ((place - 0.8, place + 0.8), (across - 0.8, across + 0.8))
-        axes.plot(*(stroke if axis == 0 else stroke[::-1]), color=BLACK, lw=0.7)
+        axes.plot(*stroke[::turn], color=BLACK, lw=0.7)
     for number, (start, end) in enumerate(pairwise(along)):
         words = spelled(UNITS[unit] * (stops[number + 1] - stops[number]))
         close = end - start < 0.9 * len(words) + 1.5 and number % 2 == 1
-        off = -0.5 if close else 0.5
-        place = ((start + end) / 2, across + off)
-        look = {"va": "top" if close else "bottom"}
-        if axis == 1:
-            place, look = (across - off, place[0]), {"ha": "left" if close else "right"}
-        aligned = {"ha": "center", "va": "center", "rotation": 90.0 * axis, **look}
-        axes.text(*place, words, fontsize=5.5, rotation_mode="default", **aligned)
+        off = turn * (-0.5 if close else 0.5)
+        place = ((start + end) / 2, across + off)[::turn]
+        sides = ("top", "bottom") if axis == 0 else ("left", "right")
+        aligned = {"ha": "center", "va": "center", "va" if axis == 0 else "ha": sides[not close]}
+        axes.text(*place, words, fontsize=5.5, rotation=90.0 * axis, **aligned)
 
 
 def spelled(number: float) -> str:

@@ -98,9 +98,8 @@ def _of_case(
             problem, needed = Problem(assembly, loads), case.load * asked.factor
             yield from tuple(_static(problem, asked.first_failure, needed))
     except CapacityError as error:
-        unlimited = math.inf if isinstance(error, UnboundedError) else None
-        yield FIRST, unlimited, _line(error), asked.first_failure
-        yield PEAK, unlimited, _line(error), not asked.first_failure
+        yield FIRST, *_without(error), asked.first_failure
+        yield PEAK, *_without(error), not asked.first_failure
 
 
 def _static(
@@ -137,14 +136,13 @@ def _static(
 def _answer(model: Callable[[], float], words: str) -> tuple[float | None, str]:
     try:
         return model(), words
-    except UnboundedError as error:
-        return math.inf, _line(error)
     except CapacityError as error:
-        return None, _line(error)
+        return _without(error)
 
 
-def _line(error: Exception) -> str:
-    return " ".join(str(error).split())
+def _without(error: CapacityError) -> tuple[float | None, str]:
+    """The load of a model without an answer, infinite where it has no limit, and why."""
+    return math.inf if isinstance(error, UnboundedError) else None, " ".join(str(error).split())
 
 
 @dataclass(frozen=True, eq=False)

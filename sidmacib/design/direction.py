@@ -200,8 +200,7 @@ class RowSearch:
     ) -> Floats | None:
         """Rows that carry all cases, in the directions of ``parts`` and else of the mixed rows."""
         structure = self.structure
-        wish = 1e-3 * self.relaxed.parts + parts
-        allowed = along(structure, wish)
+        allowed = along(structure, 1e-3 * self.relaxed.parts + parts)
         try:
             settled = least_cost(structure, self.factor, allowed)
         except InfeasibleError:
@@ -218,9 +217,8 @@ class RowSearch:
     def _trimmed(self, taken: Floats, end: float) -> Floats:
         """Without locks that are not needed, the dearest first; as many as are seen by ``end``."""
         structure = self.structure
-        spent = np.bincount(
-            structure.site_of, structure.costs * taken, minlength=len(structure.sites)
-        )
+        paid, sites = structure.costs * taken, len(structure.sites)
+        spent = np.bincount(structure.site_of, paid, minlength=sites)
         order = [k for k in np.argsort(-spent, kind="stable").tolist() if spent[k] > 0.0]
         size = len(order) // 2
         while size >= 1:  # many sites at once first

@@ -157,40 +157,29 @@ def _forces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -
         x, y, _ = axes3 @ np.array([each["point"] for each in line]).T
         axes.plot(x, y, color=BLACK, lw=1.6, label=None if number else "thrust line", zorder=3)
     longest = ARROW * mean_diagonal(shape)
-    kinds = (("variable", GREEN, drawn.load_words), ("permanent", PURPLE, "permanent load"))
-    for kind, colour, words in kinds:
-        pushed = [
-            (np.array(each["at"]), np.array(each["force"]), each["point"])
-            for each in drawn.arrows[kind]
-        ]
-        _arrows(axes, pushed, longest, axes3, (colour, words))
-    held = [
-        (np.array(each.near or each.middle), np.array(each.force), True) for each in drawn.reactions
+    loads = drawn.arrows
+    held: list[dict[str, Any]] = [
+        {"at": each.near or each.middle, "force": each.force, "point": True}
+        for each in drawn.reactions
     ]
-    _arrows(axes, held, longest, axes3, (ORANGE, "reaction"), told=len(held) <= MOST_LABELS)
-
-
-def _arrows(
-    axes: Axes,
-    forces: Sequence[tuple[Floats, Floats, bool]],
-    longest: float,
-    axes3: Floats,
-    style: tuple[str, str],
-    *,
-    told: bool = False,
-) -> None:
-    """Forces (N) at places (m), each to its place or from it; ``told``: with components."""
-    most = max((float(np.linalg.norm(force)) for _, force, _ in forces), default=0.0)
-    colour, label = style
-    for number, (place, force, ends) in enumerate(forces):
-        along = longest / most * force
-        tail, tip = (place - along, place) if ends else (place, place + along)
-        start, end = (axes3 @ tail)[:2], (axes3 @ tip)[:2]
-        arrow = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", end, start, arrowprops=arrow, zorder=5)
-        axes.plot(*np.array([start, end]).T, color=colour, lw=2.0, label=None if number else label)
-        if told:
-            axes.annotate(_components(force), start, fontsize=7, ha="center", va="top", zorder=6)
+    for arrows, colour, label in (
+        (loads["variable"], GREEN, drawn.load_words),
+        (loads["permanent"], PURPLE, "permanent load"),
+        (held, ORANGE, "reaction"),
+    ):
+        most = max((float(np.linalg.norm(each["force"])) for each in arrows), default=0.0)
+        style = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
+        for number, each in enumerate(arrows):
+            place, force = np.array(each["at"]), np.array(each["force"])
+            along = longest / most * force
+            tail, tip = (place - along, place) if each["point"] else (place, place + along)
+            start, end = (axes3 @ tail)[:2], (axes3 @ tip)[:2]
+            axes.annotate("", end, start, arrowprops=style, zorder=5)
+            named = None if number else label
+            axes.plot(*np.array([start, end]).T, color=colour, lw=2.0, label=named)
+            if arrows is held and len(held) <= MOST_LABELS:
+                words = _components(force)
+                axes.annotate(words, start, fontsize=7, ha="center", va="top", zorder=6)
 
 
 def _components(force: Floats) -> str:

@@ -32,7 +32,7 @@ let drawn = null; // what is chosen, prepared for drawing
 let stopMotion = null; // ends the animation
 
 // `row`, `ofBlocks`, `ofInterfaces`: rows of the tables of structures, blocks and interfaces.
-// `loads`, `reactions`, `thrust`: see loads.py and sections.py of this folder.
+// `loads`, `reactions`, `thrust`: see forces.py of this folder.
 function preparedStructure(row, shape, ofBlocks, ofInterfaces, { loads = null, reactions = [], thrust = [] } = {}) {
   if (!shape) return { row, shape };
   const blocks = named(ofBlocks, "block"), interfaces = named(ofInterfaces, "interface");
