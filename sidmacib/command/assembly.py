@@ -1,5 +1,7 @@
 """What the command `assembly` prints and writes: loads, forces, verdicts and reserves."""
 
+import shlex
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,7 +11,7 @@ import click
 
 from sidmacib.answers.verdict import governing, lower_first, on_all
 from sidmacib.command.answers import Row
-from sidmacib.command.output import require_answer, say, text_of
+from sidmacib.command.output import draw, require_answer, say, text_of, write_text
 from sidmacib.command.structures import (
     Solved,
     curve_rows,
@@ -73,10 +75,20 @@ class Wanted:
 
     def draw(self, rows: Sequence[Row], solved: Solved, verdict: str) -> None:
         """Write the page, the picture and the note that are asked for."""
-        from sidmacib.command.structure_views import Views
+        from sidmacib.command.structure_views import Views, structure_note
+        from sidmacib.scene.page import page
 
         views = Views.of(self.file, self.description, solved, self.notes, verdict)
-        views.write(rows, self.report, self.still, self.note)
+        command = shlex.join(["multilock", *sys.argv[1:]])
+        if self.report is not None:
+            write_text(page(*views.content(rows, command)), self.report, "--report")
+        if self.still is not None:
+            from sidmacib.scene.picture import picture
+
+            title = f"{views.title}: {views.answer}"
+            draw(picture(views.models[0], views.shape, title), self.still)
+        if self.note is not None:
+            write_text(structure_note(views, rows, command), self.note, "--note")
 
     def refuse(self, words: str, *names: str) -> None:
         """`click.UsageError` in these ``words`` for the first of these options that is given."""

@@ -2,8 +2,6 @@
 
 import io
 import math
-import shlex
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +12,7 @@ import yaml
 
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row, reason
-from sidmacib.command.output import cell, draw, in_asked_units, in_asked_words, write_text
+from sidmacib.command.output import cell, in_asked_units, in_asked_words
 from sidmacib.command.structures import Limit, Solved, Static
 from sidmacib.drawing import write_figure
 from sidmacib.errors import CapacityError, NoEquilibriumError
@@ -25,7 +23,7 @@ from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, number_of, some_of
 from sidmacib.scene.drawn import Drawn, shape_of, with_condensed_locks
 from sidmacib.scene.forces import arrows_of, load_of, total
-from sidmacib.scene.page import page, rendered
+from sidmacib.scene.page import rendered
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.loads import free_weight
 
@@ -64,7 +62,11 @@ class Views:
         weight = None if problem.loads.axis is not None else free_weight(problem.assembly)
         models = [_drawn("static", problem, static), _drawn("limit", problem, solved.limit)]
         if isinstance(static, StaticAnswer):
-            answer = _answer_words(static, weight)
+            at = _load_words(static.load, weight)
+            ends = "last equilibrium" if weight is None else "peak"
+            answer = f"{ends} at {at}; failure mode: {static.mode}"
+            if not static.counts.peak:
+                answer = f"first bond failure at {at}; {static.counts}"
         else:
             models.reverse()
             answer = f"static model: {reason(static)}"
@@ -87,24 +89,6 @@ class Views:
         load = load_of(self.problem)
         faces = number_of(len(assembly.faces), "interface")
         return in_asked_words(f"{many}, {faces}; {weight}. {load}.")
-
-    def write(
-        self, rows: Sequence[Row], report: Path | None, still: Path | None, note: Path | None
-    ) -> None:
-        """Write the page, the picture and the calculation note that are asked for.
-
-        ``rows``: the table that is printed. `click.UsageError` for a file that cannot be written;
-        ValueError for a page without the package plotly.
-        """
-        command = shlex.join(["multilock", *sys.argv[1:]])
-        if report is not None:
-            write_text(page(*self.content(rows, command)), report, "--report")
-        if still is not None:
-            from sidmacib.scene.picture import picture
-
-            draw(picture(self.models[0], self.shape, f"{self.title}: {self.answer}"), still)
-        if note is not None:
-            write_text(structure_note(self, rows, command), note, "--note")
 
     def content(self, rows: Sequence[Row], command: str) -> tuple[dict[str, Any], dict[str, Any]]:
         """Data and words of `page`; ``rows``: the table that is printed by ``command``."""
@@ -150,15 +134,6 @@ def _load_words(load: float, weight: float | None) -> str:
     if weight is None:
         return f"{load:.4g}°"
     return f"{four_digits(load)} N, {load / weight:.3g} of the weight"
-
-
-def _answer_words(answer: StaticAnswer, weight: float | None) -> str:
-    """What happens at the load that counts, and how the structure fails."""
-    at = _load_words(answer.load, weight)
-    if not answer.counts.peak:
-        return f"first bond failure at {at}; {answer.counts}"
-    ends = "last equilibrium" if weight is None else "peak"
-    return f"{ends} at {at}; failure mode: {answer.mode}"
 
 
 def _drawn(model: str, problem: Problem, found: Static | Limit) -> Drawn:
