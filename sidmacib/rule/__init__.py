@@ -24,11 +24,10 @@ from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, roots
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads
-from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames, self_weight
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.solution import FirstFailure, Mode, Solver
+from sidmacib.mechanics.solution import Mode, Solver
 from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.rule.pairs import bearing_pairs
 from sidmacib.validation import refused, require_positive
@@ -108,7 +107,15 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
     failure = first_failure_of(solver, loads.scale)
     if not failure.point.load > NOTHING * loads.scale:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
-    return _state(joint, assembly, solver.contact_law, failure)
+    point, nodes, order = failure.point, assembly.nodes, roots(joint, assembly)
+    start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
+    used = np.maximum.reduceat(utilisation(solver.contact_law, point.state, point.force), start)
+    force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))
+    middle = np.array([face.middle for face in assembly.faces])
+    arm = nodes.position - middle[nodes.face]
+    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+    x, y, turned = (np.add.reduceat(each, start)[order] for each in (*force.T[:2], torque))
+    return JointFailure(float(point.load), failure.mode, x, y, turned, used[order])
 
 
 def weakened(joint: Joint, margin: float) -> Joint:
@@ -134,23 +141,6 @@ def _rigid(joint: Joint, cells: int) -> RigidSolver:
     assembly = _cut(joint, cells)
     weight = self_weight(assembly.pieces)
     return RigidSolver(assembly, Loads(weight, np.zeros_like(weight), 1.0))
-
-
-def _state(
-    joint: Joint, assembly: Assembly, contact_law: ContactLaw, failure: FirstFailure
-) -> JointFailure:
-    """Forces and utilisation of the roots of ``joint`` at its ``failure``."""
-    point, nodes, order = failure.point, assembly.nodes, roots(joint, assembly)
-    of_nodes = utilisation(contact_law, point.state, point.force)
-    start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
-    of_faces = np.maximum.reduceat(of_nodes, start)
-    force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))
-    middle = np.array([face.middle for face in assembly.faces])
-    arm = nodes.position - middle[nodes.face]
-    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-    x, y, turned = (np.add.reduceat(each, start) for each in (force[:, 0], force[:, 1], torque))
-    forces = x[order], y[order], turned[order]
-    return JointFailure(float(point.load), failure.mode, *forces, of_faces[order])
 
 
 def _require_row(joint: Joint) -> None:
