@@ -230,41 +230,17 @@ def _solved(
 def require_standing(assembly: Assembly, loads: Loads, *, friction: bool = False) -> None:
     """`InfeasibleError` if no forces balance the permanent ``loads`` alone.
 
-    With ``friction`` they keep the limits of torque of `limit_load`, by rounds as there, which then
-    still has an answer if the variable loads hold ``assembly`` up.
+    With ``friction`` they keep the limits of torque of `limit_load`. That is asked for the part of
+    these loads that is carried, which has a value even where they are not.
     """
-    _require_room(assembly)
-    share, s = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
-    cone, limited = ContactLaw.of(assembly).cone(friction=friction), Limited()
-    units, small = Scales.of(assembly, loads), OF_ROUNDS if friction else 0.0
-    twist: Twist | None = None
-
-    def force() -> Floats:
-        # The part of the loads that is carried has a value even where forces do not exist.
-        limits = admissible(assembly, loads, cone, 0.0, s, limited, share, twist)
-        part = cp.Maximize(share - small * square_sum(s, units))
-        solve(cp.Problem(part, [*limits, share <= 1.0]), WHAT, *ACCURACIES)
-        return np.asarray(units.node[:, None] * s.value)
-
-    shares: list[float] = []
-    while len(shares) <= TORQUE_ROUNDS and not _settled(shares):
-        try:
-            found = limited.kept(assembly, force, np.asarray)
-        except InfeasibleError:  # not even without weight, as a rule wants locks to be pressed
-            break
-        shares.append(float(share.value))
-        stands = shares[-1] >= 1.0 - SHORT
-        own = Twist.of(assembly, found) if friction else None
-        if stands and not (own and own.motions):
-            return
-        if twist is None and not stands:
-            break
-        kept = KEPT if len(shares) > QUICK_ROUNDS else 0.0
-        twist = twist.after(assembly, found, kept) if twist else own
-    else:
-        if min(shares[-CALM:]) >= 1.0 - SHORT:
-            return
-    raise InfeasibleError(DOES_NOT_STAND)
+    nothing = np.zeros_like(loads.permanent)
+    raised = Loads(nothing, loads.permanent / loads.scale, loads.scale)
+    try:
+        part = limit_load(assembly, raised, friction=friction, most=loads.scale).load / loads.scale
+    except InfeasibleError:  # not even without weight, as a rule wants locks to be pressed
+        part = 0.0
+    if part < 1.0 - SHORT:
+        raise InfeasibleError(DOES_NOT_STAND)
 
 
 def _require_room(assembly: Assembly) -> None:
