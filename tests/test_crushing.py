@@ -127,7 +127,7 @@ def test_no_stress_block_is_taken_to_carry_more(name: str, angle: float, share: 
     corners = [least * way - across, 9.0 * way - across, 9.0 * way + across, least * way + across]
     part = outline.intersection(shapely.Polygon(corners))
     place = np.array([part.centroid.x, part.centroid.y]) / blocks.size
-    (use,) = blocks.use(part.area / outline.area * np.array([[1.0, *place]]))
+    use = blocks.use(part.area / outline.area * np.array([1.0, *place]))
     assert use >= 1.0 - 1e-9  # it is at the exact limit
     if share > 0.2:
         assert use <= 1.3  # which the polyhedron is not far inside of, however askew

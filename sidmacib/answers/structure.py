@@ -178,9 +178,9 @@ def _where_full(assembly: Assembly, before: Equilibrium, after: Equilibrium) -> 
 
 
 def _most_used(assembly: Assembly, point: Equilibrium) -> tuple[float, str]:
-    use = crushing_use(assembly, point.force[None, :, 0])
-    number = max(use, key=lambda face: float(use[face][0]))
-    return float(use[number][0]), assembly.faces[number].name
+    use = crushing_use(assembly, point.force)
+    number = max(use, key=lambda face: use[face])
+    return use[number], assembly.faces[number].name
 
 
 def _between(before: Equilibrium, after: Equilibrium, part: float) -> Equilibrium:

@@ -199,8 +199,8 @@ def _limited_by(problem: Problem, limit: LimitState) -> Iterator[str]:
     if untwisted is not None and four_digits(untwisted) != four_digits(limit.load):
         others = "no limit" if math.isinf(untwisted) else f"{four_digits(untwisted)} N"
         yield f"limited by the torque of interfaces ({others} without)"
-    use = crushing_use(problem.assembly, limit.force[None, :, 0])
-    names = [problem.assembly.faces[number].name for number, of in use.items() if of[0] > FULL]
+    use = crushing_use(problem.assembly, limit.force)
+    names = [problem.assembly.faces[number].name for number, of in use.items() if of > FULL]
     if names:
         yield f"crushed: {some_of(names, MOST)}"
 

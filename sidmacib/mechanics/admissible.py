@@ -3,17 +3,22 @@
 What `sidmacib.mechanics.limit` maximises over them is a load, or a part of the permanent loads.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import cvxpy as cp
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
-from sidmacib.mechanics.crushing import Limited, crushing_rows
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.crushing import crushed_faces, resultant_rows, stress_blocks
+from sidmacib.mechanics.equilibrium import (
+    equilibrium_matrix,
+    free_rows,
+    row_units,
+    sparse_rows,
+)
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.twist import Twist
 
@@ -49,7 +54,7 @@ def admissible(
     cone: Cone,
     load: cp.Variable | float,
     s: cp.Variable,
-    limited: Limited,
+    limited: Collection[int],
     permanent: cp.Variable | float = 1.0,
     twist: Twist | None = None,
     driven: Floats | None = None,
@@ -126,22 +131,32 @@ def admissible(
 
 
 def _of_crushing(
-    assembly: Assembly, units: Scales, limited: Limited, s_n: cp.Expression, sigma: Floats
+    assembly: Assembly,
+    units: Scales,
+    limited: Collection[int],
+    s_n: cp.Expression,
+    sigma: Floats,
 ) -> Iterator[cp.Constraint]:
-    """Limits of what presses faces; ``sigma``: tensile strengths of the nodes, (N,).
+    """Limits of what presses ``limited`` faces; ``sigma``: tensile strengths of the nodes, (N,).
 
     Where bonds pull at one side of a face, more presses the other.
     """
-    found = crushing_rows(assembly, units.node, units.load, limited.faces)
-    if found is None:
+    rows, limits = [], []
+    for number, face, strength in crushed_faces(assembly):
+        if number in limited:
+            blocks = stress_blocks(face.outline)
+            nodes, sums = resultant_rows(assembly, number, blocks.size)
+            unit = units.node[nodes] / units.load
+            rows.append(sparse_rows(blocks.normals @ sums * unit, nodes, len(sigma)))
+            limits.append(blocks.limits * (strength * face.area / units.load))
+    if not rows:
         return
-    rows, limits = found
     pull = np.zeros(len(sigma))
     if sigma.any():
         pull = cp.Variable(len(sigma), nonneg=True)
         yield pull <= sigma
         yield s_n + pull >= 0.0
-    yield rows @ (s_n + pull) <= limits
+    yield vstack(rows) @ (s_n + pull) <= np.concatenate(limits)
 
 
 def _of_rules(

@@ -15,23 +15,18 @@ ARCH'07, Madeira, 2007).
 """
 
 import importlib
-from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated
 
 import numpy as np
 import shapely
 
-from sidmacib.errors import UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Face, FaceMaterial, Floats, Integers, Kind
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number
 from sidmacib.validation import require_kinds
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 # Directions of stress blocks, from the normal of a side to that of the next; the factor from a
 # depth to the next, and the number of depths.
@@ -42,9 +37,7 @@ WAYS = (
     (0.88, 2.0 ** (1 / 2), 10),
 )
 REACH = 3.0  # over the sides of a face: beyond all of it
-EXCEEDED = 1e-7  # of a limit, by which forces may exceed it
 FLAT = 1e-9  # of planes of the hull through the origin: their distance from it
-Found = TypeVar("Found")
 CompressiveStrength = Annotated[float, Number(above=0, unit="Pa", likely=(1e5, 1e9))]
 
 
@@ -77,13 +70,12 @@ class StressBlocks:
     limits: Floats
     size: float
 
-    def use(self, resultants: Floats) -> Floats:
-        """The part of what is carried, (K,), of (n, m, m'), (K, 3); infinite outside the face."""
-        demand = resultants @ self.normals.T
-        through = self.limits <= FLAT
-        most = (demand[:, ~through] / self.limits[~through]).max(axis=1)
-        outside = (demand[:, through] > FLAT).any(axis=1)
-        return np.asarray(np.where(outside, np.inf, np.maximum(most, 0.0)))
+    def use(self, resultant: Floats) -> float:
+        """The part of what is carried of (n, m, m'), (3,); infinite outside the face."""
+        demand, through = self.normals @ resultant, self.limits <= FLAT
+        if (demand[through] > FLAT).any():
+            return np.inf
+        return max(0.0, float((demand[~through] / self.limits[~through]).max()))
 
 
 @lru_cache(maxsize=4096)
@@ -139,71 +131,15 @@ def resultant_rows(assembly: Assembly, number: int, size: float) -> tuple[Intege
     return nodes, np.vstack([np.ones(len(nodes)), places.T / size])
 
 
-class Limited:
-    """The faces whose limit a programme has, as it exceeds it otherwise; ``faces``: their numbers.
+def crushing_use(assembly: Assembly, force: Floats) -> dict[int, float]:
+    """The part of its limit that each face with a compressive strength uses, by its number.
 
-    A face has hundreds of rows, and few faces are pressed as much.
-    """
-
-    def __init__(self) -> None:
-        self.faces: set[int] = set()
-
-    def kept(
-        self, assembly: Assembly, answer: Callable[[], Found], force_of: Callable[[Found], Floats]
-    ) -> Found:
-        """What the programme answers when its forces (N), (N, 3), exceed the limit of no face."""
-        every = {number for number, _, _ in crushed_faces(assembly)}
-        while True:
-            try:
-                found = answer()
-                use = crushing_use(assembly, force_of(found)[None, :, 0])
-                more = {number for number, of in use.items() if of[0] > 1.0 + EXCEEDED}
-            except UnboundedError:
-                if self.faces == every:
-                    raise
-                more = every
-            if more <= self.faces:
-                return found
-            self.faces |= more
-
-
-def crushing_rows(
-    assembly: Assembly, unit: Floats, load: float, faces: Collection[int]
-) -> "tuple[csr_array, Floats] | None":
-    """Limits of pressing node forces in ``unit`` (N), (N,): rows (K, N), and limits, (K,).
-
-    Both in units of a ``load`` (N). ``faces``: numbers of those that are limited; None if no such
-    face has a compressive strength.
-    """
-    rows, limits, columns, counts = [], [], [], []
-    for number, face, strength in crushed_faces(assembly):
-        if number not in faces:
-            continue
-        blocks = stress_blocks(face.outline)
-        nodes, sums = resultant_rows(assembly, number, blocks.size)
-        rows.append((blocks.normals @ sums * (unit[nodes] / load)).ravel())
-        limits.append(blocks.limits * (strength * face.area / load))
-        columns.append(np.tile(nodes, len(blocks.limits)))
-        counts += [len(nodes)] * len(blocks.limits)
-    if not rows:
-        return None
-    ends = np.concatenate([[0], np.cumsum(counts)])
-    shape = (len(counts), len(unit))
-    csr_array = importlib.import_module("scipy.sparse").csr_array
-    return csr_array((np.concatenate(rows), np.concatenate(columns), ends), shape), np.concatenate(
-        limits
-    )
-
-
-def crushing_use(assembly: Assembly, forces: Floats) -> dict[int, Floats]:
-    """The part of its limit that each face with a compressive strength uses, by its number, (K,).
-
-    ``forces``: normal forces of the nodes in N, (K, N); tension counts as no pressure.
+    ``force``: of the nodes in N, (N, 3); tension counts as no pressure.
     """
     found = {}
     for number, face, strength in crushed_faces(assembly):
         blocks = stress_blocks(face.outline)
         nodes, sums = resultant_rows(assembly, number, blocks.size)
-        pressing = np.maximum(forces[:, nodes], 0.0) / (strength * face.area)
-        found[number] = blocks.use(pressing @ sums.T)
+        pressing = np.maximum(force[nodes, 0], 0.0) / (strength * face.area)
+        found[number] = blocks.use(sums @ pressing)
     return found

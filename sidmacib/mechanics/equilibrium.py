@@ -89,6 +89,14 @@ def equilibrium_matrix(assembly: Assembly) -> "csr_array":
     return found
 
 
+def sparse_rows(values: Floats, columns: NDArray[np.int64], width: int) -> "csr_array":
+    """``values``, (K, C), in those ``columns``, (C,), of a sparse matrix, (K, width)."""
+    count, each = values.shape
+    ends = np.arange(count + 1) * each
+    csr_array = importlib.import_module("scipy.sparse").csr_array
+    return csr_array((values.ravel(), np.tile(columns, count), ends), (count, width))
+
+
 def motion_of(assembly: Assembly, unknowns: Floats) -> Floats:
     """Displacements (m) and rotations (rad) of all pieces, (P, 6), from those of the free ones."""
     motion = np.zeros(RIGID * len(assembly.pieces))

@@ -20,7 +20,6 @@ import numpy as np
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import Cone, ContactLaw, Flags
-from sidmacib.mechanics.crushing import Limited
 from sidmacib.mechanics.limit import CALM, FALLS, LimitState, limit_load, solved
 from sidmacib.mechanics.twist import Twist
 
@@ -84,7 +83,7 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
     dry = np.array([face.kind is Kind.DRY for face in assembly.faces])[assembly.nodes.face]
     cone = ContactLaw.of(assembly).cone()
     normal, twist = associated.force[:, 0], Twist.of(assembly, associated.force)
-    limited = Limited()
+    limited: set[int] = set()
     held, found, calm, step, change = normal, [associated], 0, STEP, 0.0
     for number in range(1, SLIDING_ROUNDS + 1):
         given = (1.0 - SLOPE) * cone.slope * np.maximum(normal, 0.0)

@@ -37,6 +37,7 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
     Rectangle,
 )
+from sidmacib.mechanics.equilibrium import sparse_rows
 from sidmacib.mechanics.polygons import Polygon, outline_nodes
 
 CELLS = 4  # along the longer side of a rectangle, for the integral of its pressure
@@ -163,8 +164,8 @@ class Twist:
             columns = np.searchsorted(rough, nodes)
             moved = speeds(at, motions).transpose(1, 2, 0).reshape(len(motions), -1)
             wide = (2 * columns[:, None] + np.arange(2)).ravel()
-            forces.append(_placed(moved, wide, 2 * len(rough)))
-            limits.append(_placed(pressure.resistance(motions, at), columns, len(rough)))
+            forces.append(sparse_rows(moved, wide, 2 * len(rough)))
+            limits.append(sparse_rows(pressure.resistance(motions, at), columns, len(rough)))
         size = unit[rough] / float(unit[rough].max())
         both = (sp.vstack(forces), np.repeat(size, 2)), (sp.vstack(limits), size)
         works, most_works = (rows @ sp.diags_array(of_nodes) for rows, of_nodes in both)
@@ -280,13 +281,6 @@ def levers(assembly: Assembly) -> Floats:
     middle = np.array([face.middle for face in assembly.faces])[faces]
     tangents = np.array([face.axes[1:] for face in assembly.faces])[faces]
     return np.asarray(np.einsum("nx,ntx->nt", assembly.nodes.position - middle, tangents))
-
-
-def _placed(values: Floats, columns: Integers, width: int) -> sp.csr_array:
-    """``values``, (K, C), in those ``columns`` of a matrix of that ``width``."""
-    count, each = values.shape
-    ends = np.arange(count + 1) * each
-    return sp.csr_array((values.ravel(), np.tile(columns, count), ends), (count, width))
 
 
 def points_of(face: Face) -> tuple[Floats, Floats, float]:

@@ -73,7 +73,7 @@ def interface_forces(
     state = state or NodeState.initial(law)
     used = np.where(state.bonded, utilisation(law, state, force), 0.0)
     nothing = ROUNDING * float(np.abs(force).max(initial=0.0))
-    crushing = crushing_use(assembly, force[None, :, 0])
+    crushing = crushing_use(assembly, force)
     found = []
     for number, face in enumerate(assembly.faces):
         nodes = assembly.nodes.face == number
@@ -90,7 +90,7 @@ def interface_forces(
             if not bonded and normal > nothing:
                 most = max(off, _rubbing(face, places - at, on_nodes, limit[nodes], nothing))
         if number in crushing:
-            most = max(most, float(crushing[number][0]))
+            most = max(most, crushing[number])
         law_of = material.friction, material.cohesion, material.tensile_strength
         resultants = normal, float(np.hypot(*shear)), float(moment[0]), float(np.hypot(*moment[1:]))
         vectors = *(whole @ face.axes).tolist(), *((None,) * 3 if at is None else at.tolist())
