@@ -11,9 +11,9 @@ penalty on the sum of s^2 / A, picks the one for which that sum is least, which 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
 
 import cvxpy as cp
 import numpy as np
@@ -105,35 +105,36 @@ def limit_load(
             "friction: must be false under a fixed plate, where associated friction has no limit; "
             "or replace the plate by a force"
         )
-    cone, limited = ContactLaw.of(assembly).cone(friction=friction), set[int]()
+    cone = ContactLaw.of(assembly).cone(friction=friction)
+    given = partial(solved, assembly, loads, cone, set(), most=most, driven=driven)
     try:
-        free = solved(assembly, loads, cone, limited, most=most, driven=driven)
+        free = given()
     except UnboundedError:
         if not friction or most is not None:
             raise
         # Perhaps for the want of limits of torque alone.
         far = FAR * loads.scale
-        free = solved(assembly, loads, cone, limited, most=far, driven=driven)
-        found = _with_torque(free, assembly, loads, cone, limited, most=far, driven=driven)
+        found = limit_load(assembly, loads, friction=True, most=far, driven=driven)
         if found.load > NEAR * far:
             raise
         return replace(found, untwisted=math.inf)
-    if not friction:
+    if not friction or not (twist := Twist.of(assembly, free.force)).motions:
         return free
-    return _with_torque(free, assembly, loads, cone, limited, most=most, driven=driven)
+    lowest = _with_torque(assembly, free, twist, given)
+    if lowest.load < -FALLS * loads.scale <= free.load:
+        raise InfeasibleError(DOES_NOT_STAND)
+    return replace(lowest, untwisted=free.load)
 
 
 def _with_torque(
-    free: LimitState, assembly: Assembly, loads: Loads, *given: Any, **limits: Any
+    assembly: Assembly, free: LimitState, twist: Twist, given: Callable[..., LimitState]
 ) -> LimitState:
-    """The state with limits of torque, from the one ``free`` of them; others as for `solved`."""
-    if not (twist := Twist.of(assembly, free.force)).motions:
-        return free
+    """The state by rounds of limits of torque, from the one ``free`` of them."""
     found, nearer, use = [free], 0, math.inf
     admitted: LimitState | None = None  # the highest whose own pressure allows its torques
     while len(found) <= TORQUE_ROUNDS and not _settled([each.load for each in found], use):
         try:
-            found.append(solved(assembly, loads, *given, twist=twist, **limits))
+            found.append(given(twist=twist))
         except InfeasibleError:
             nearer += 1
             if nearer > NEARER and admitted:
@@ -150,10 +151,7 @@ def _with_torque(
         kept = KEPT if len(found) > QUICK_ROUNDS else 0.0
         twist = twist.after(assembly, found[-1].force, kept)
     # The first rounds have the pressure elsewhere; where rounds alternate, the lower load counts.
-    lowest = admitted or min(found[-CALM:], key=lambda each: each.load)
-    if lowest.load < -FALLS * loads.scale <= free.load:
-        raise InfeasibleError(DOES_NOT_STAND)
-    return replace(lowest, untwisted=free.load)
+    return admitted or min(found[-CALM:], key=lambda each: each.load)
 
 
 def _settled(loads: Sequence[float], use: float) -> bool:
