@@ -5,10 +5,10 @@ faces may have any shape; the joint's are cuboids and rectangles. All quantities
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import product
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,80 +109,39 @@ class NodeLayout(StrEnum):
     LOBATTO = "lobatto"  # nine, those on edges shared: Gauss-Lobatto rule (Simpson's)
 
 
-class Piece(Protocol):
-    """A block or a part of one, of any shape; rigid unless it has an elastic material."""
+class Piece:
+    """A block or a part of one, of any shape; rigid unless it has an ``elastic`` material.
 
-    @property
-    def name(self) -> str:
-        """Its name, unique in the assembly."""
+    ``name``: unique in the assembly. ``fixed``: whether it cannot move.
+    """
+
+    name: str
+    fixed: bool
+    elastic: Elastic | None = None
 
     @property
     def mass(self) -> float:
         """In kg."""
-
-    @property
-    def fixed(self) -> bool:
-        """Whether it cannot move."""
-
-    @property
-    def elastic(self) -> Elastic | None:
-        """Its material if it deforms."""
+        raise NotImplementedError
 
     @property
     def centre(self) -> Floats:
         """Centroid, in m, shape (3,)."""
+        raise NotImplementedError
 
     @property
     def inertia(self) -> Floats:
         """Principal moments of inertia about the centroid, in kg m2, shape (3,)."""
+        raise NotImplementedError
 
     @property
     def weight(self) -> float:
         """Self-weight in N."""
-
-
-class Face(Protocol):
-    """A plane region of any outline across which two pieces meet."""
-
-    @property
-    def name(self) -> str:
-        """Its name, unique in the assembly."""
-
-    @property
-    def kind(self) -> Kind:
-        """Bonded, dry or under a plate."""
-
-    @property
-    def material(self) -> FaceMaterial:
-        """Stiffnesses and strengths."""
-
-    @property
-    def below(self) -> int:
-        """Index of the piece that the normal points away from."""
-
-    @property
-    def above(self) -> int:
-        """Index of the piece that the normal points into."""
-
-    @property
-    def axes(self) -> Floats:
-        """Unit normal from ``below`` to ``above``, then two tangents, shape (3, 3)."""
-
-    @property
-    def middle(self) -> Vector:
-        """The point about which its motion is described, in m."""
-
-    @property
-    def area(self) -> float:
-        """In m2."""
-
-    @property
-    def corners(self) -> Floats:
-        """Corners of its outer boundary, in m, (K, 3)."""
+        return self.mass * GRAVITY
 
 
 @dataclass(frozen=True)
-class Cuboid:
+class Cuboid(Piece):
     """A piece given by two opposite corners in m; rigid unless it has an elastic material.
 
     ValueError unless its edges are finite and above 0, and its mass finite and not negative.
@@ -191,7 +150,7 @@ class Cuboid:
     name: str
     low: Vector
     high: Vector
-    mass: float  # kg
+    mass: float = field()  # kg
     fixed: bool = False
     elastic: Elastic | None = None
 
@@ -216,18 +175,14 @@ class Cuboid:
         squares = self.size**2
         return self.mass / 12 * (squares.sum() - squares)
 
-    @property
-    def weight(self) -> float:
-        """Self-weight in N."""
-        return self.mass * GRAVITY
 
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A plane region of any outline across which two pieces meet.
 
-@dataclass(frozen=True)
-class Rectangle:
-    """A face whose sides are along two axes.
-
-    ``below`` and ``above`` are indices of pieces; the unit normal, along ``axis`` (0, 1, 2 for x,
-    y, z), points from ``below`` to ``above``.
+    ``name``: unique in the assembly. ``below`` and ``above`` are indices of pieces; ``axes``: the
+    unit normal from ``below`` to ``above``, then two tangents, (3, 3). ``middle``: the point about
+    which its motion is described, in m.
     """
 
     name: str
@@ -235,6 +190,32 @@ class Rectangle:
     material: FaceMaterial
     below: int
     above: int
+
+    @property
+    def axes(self) -> Floats:
+        """Unit normal, then two tangents, shape (3, 3)."""
+        raise NotImplementedError
+
+    @property
+    def middle(self) -> Vector:
+        """In m."""
+        raise NotImplementedError
+
+    @property
+    def area(self) -> float:
+        """In m2."""
+        raise NotImplementedError
+
+    @property
+    def corners(self) -> Floats:
+        """Corners of its outer boundary, in m, (K, 3)."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Rectangle(Face):
+    """A face whose sides are along two axes, and its normal along ``axis``: 0, 1, 2 for x, y, z."""
+
     axis: int
     low: Vector
     high: Vector

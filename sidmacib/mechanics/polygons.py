@@ -6,12 +6,12 @@ divided into equal ones no longer than the mesh.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
 
-from sidmacib.mechanics.assembly import CLOSE, FaceMaterial, Floats, Kind, NodeLayout, Nodes, Vector
+from sidmacib.mechanics.assembly import CLOSE, Face, Floats, NodeLayout, Nodes, Vector
 from sidmacib.mechanics.contact_nodes import cells_along, side_rule
 
 # Quadrature rules of a triangle: barycentric places, and weights. The last is exact to degree 3.
@@ -27,21 +27,11 @@ TRIANGLE_RULES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Polygon:
-    """A plane face across which two pieces meet.
+class Polygon(Face):
+    """A face with an ``outline`` along its tangents (m), from its ``middle``, the centroid."""
 
-    ``below`` and ``above`` are indices of pieces; ``axes``: the unit normal from ``below`` to
-    ``above``, then two tangents, (3, 3). ``outline``: a region in the coordinates (m) along the
-    tangents from ``middle`` (m), its centroid.
-    """
-
-    name: str
-    kind: Kind
-    material: FaceMaterial
-    below: int
-    above: int
-    axes: Floats
-    middle: Vector
+    axes: Floats = field()
+    middle: Vector = field()
     outline: shapely.Polygon
 
     @property

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import ClassVar
 
 import numpy as np
 import shapely
@@ -16,7 +15,7 @@ import trimesh
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Floats, Integers, Piece, Vector
+from sidmacib.mechanics.assembly import CLOSE, Floats, Integers, Piece, Vector
 from sidmacib.validation import LARGE, require_positive
 
 FLAT = 1e-6  # over a block's size: how far a face's vertices may be from its plane
@@ -25,7 +24,7 @@ THROUGH = 0.01  # over it: how far faces may cross, as small folds of modelled b
 
 
 @dataclass(frozen=True)
-class Block:
+class Block(Piece):
     """A rigid polyhedron, convex or not.
 
     ``vertices`` in m; ``faces``: for each, numbers of its vertices, anticlockwise seen from
@@ -39,7 +38,6 @@ class Block:
     density: float
     fixed: bool = False
     material: str | None = None  # its name, by which laws of interfaces may be chosen
-    elastic: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(**{f"{self.name}, density (kg/m3)": self.density})
@@ -133,11 +131,6 @@ class Block:
         return self.density * self.volume
 
     @property
-    def weight(self) -> float:
-        """Self-weight in N."""
-        return self.mass * GRAVITY
-
-    @property
     def centre(self) -> Floats:
         """Centroid, in m, shape (3,)."""
         return np.asarray(self._solid.center_mass + self.places.mean(axis=0))
@@ -154,13 +147,12 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Compound:
+class Compound(Piece):
     """A piece of several solids that touch and move as one; see `Block`."""
 
     name: str
     solids: tuple[Block, ...]
     fixed: bool = False
-    elastic: ClassVar[None] = None
 
     @property
     def volume(self) -> float:
@@ -171,11 +163,6 @@ class Compound:
     def mass(self) -> float:
         """In kg."""
         return math.fsum(solid.mass for solid in self.solids)
-
-    @property
-    def weight(self) -> float:
-        """Self-weight in N."""
-        return self.mass * GRAVITY
 
     @cached_property
     def centre(self) -> Floats:
