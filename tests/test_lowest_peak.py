@@ -84,7 +84,7 @@ def sought(
     """The lowest peak if each start finds one of ``peaks``, over the first; and how many did."""
     starts = 0
 
-    def found(_, searches: FromElsewhere, __, first: StaticSolution) -> StaticSolution:
+    def found(_, searches: FromElsewhere, first: StaticSolution) -> StaticSolution:
         nonlocal starts
         share = peaks[min(starts, len(peaks) - 1)]
         starts, searches.number = starts + 1, cost

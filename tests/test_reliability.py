@@ -75,7 +75,7 @@ def test_five_of_a_hundred_drawn_joints_fail_below_the_characteristic_value(join
             own[lock] = OwnLock(inner=replace(bond, cohesion=cohesion, tensile_strength=tension))
         drawn = replace(joint, different=own)
         assembly, loads = posed(drawn, Loading(ECCENTRIC), joint.least_side / COARSE)
-        failed += first_failure_of(solver_of(assembly, loads), loads.scale).point.load < load
+        failed += first_failure_of(solver_of(assembly, loads)).point.load < load
     least, most = binom.interval(0.99, count, 0.05)
     assert least <= failed <= most
 

@@ -129,7 +129,7 @@ def _as_far_as(problem: Problem, most: float, error: UnboundedError) -> StaticAn
     assembly, loads = refined(problem.assembly), problem.loads
     if loads.axis is not None:
         raise CapacityError(f"{error} without crushing; limit analysis: {most:.4g} degrees with it")
-    found = peak_of(_UpTo(solver_of(assembly, loads), BEYOND * most), loads.scale)
+    found = peak_of(_UpTo(solver_of(assembly, loads), BEYOND * most))
     failures = Failures(found.first_failure_load, found.peak.load)
     return StaticAnswer(
         *(assembly, failures, found.path, found.mode),
@@ -144,7 +144,7 @@ class _UpTo(OtherSearches):
 
     def __init__(self, solver: Solver, most: float) -> None:
         super().__init__(solver)
-        self.most, self.lift = most, solver.lift
+        self.most = most
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False

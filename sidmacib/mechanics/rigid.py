@@ -23,7 +23,7 @@ from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_unit
 from sidmacib.mechanics.newton import Matrix, elastic, equilibrium
 from sidmacib.mechanics.newton.faces import ContactFaces, new_point, whole_faces
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch, by_rounds
-from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
+from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, Solver, lifted_part
 
 Graph = dict[int, set[int]]  # pieces and those that they touch
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
@@ -123,7 +123,7 @@ def _breadth_first(graph: Graph, start: int) -> list[int]:
     return order
 
 
-class RigidSolver:
+class RigidSolver(Solver):
     """Newton's method on ``assembly`` under ``loads``.
 
     Callers see the displacements of the free pieces, in m and rad. Internally, displacements and
@@ -168,6 +168,7 @@ class RigidSolver:
 
     def _carry(self, loads: Loads) -> None:
         loads.require_proportional()
+        self.scale = loads.scale
         self.weight = self._inside(loads.permanent.ravel()[self.rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[self.rows] / self.units)
         self.rest = self._elastic(self.contacts, self.weight)

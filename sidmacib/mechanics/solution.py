@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol
 
 import numpy as np
 
@@ -33,15 +32,20 @@ class Equilibrium:
     rotation: float
 
 
-class Equilibria(Protocol):
-    """Finds equilibria of an assembly along a path of loading."""
+class Solver:
+    """Finds equilibria of an assembly along a path of loading.
 
-    @property
-    def contact_law(self) -> ContactLaw:
-        """The contact law of its nodes."""
+    ``contact_law``: of its nodes. ``scale``: of its loads, in N. ``precision``: of the loads at
+    which a path turns, over them.
+    """
+
+    contact_law: ContactLaw
+    scale: float
+    precision = LEAST_INCREMENT
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
+        raise NotImplementedError
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
@@ -51,29 +55,27 @@ class Equilibria(Protocol):
         Raises `NoEquilibriumError` if none is found. ``thorough``: try every method of the solver
         before giving up, which takes longer.
         """
-
-
-class Solver(Equilibria, Protocol):
-    """Finds equilibria under a load that is raised, and how pieces move beyond the last."""
+        raise NotImplementedError
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
+        raise NotImplementedError
 
 
-class OtherSearches:
-    """Searches for equilibria by a ``solver`` that accept or begin otherwise, see `Equilibria`."""
+class OtherSearches(Solver):
+    """Searches for equilibria by a ``solver`` that accept or begin otherwise."""
 
-    def __init__(self, solver: Equilibria) -> None:
-        self.solver = solver
-
-    @property
-    def contact_law(self) -> ContactLaw:
-        """The contact law of its nodes."""
-        return self.solver.contact_law
+    def __init__(self, solver: Solver) -> None:
+        self.solver, self.contact_law = solver, solver.contact_law
+        self.scale, self.precision = solver.scale, solver.precision
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
         return self.solver.start()
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """As of the ``solver``."""
+        return self.solver.lift(point, load)
 
 
 class SmallRotations(OtherSearches):
@@ -83,14 +85,14 @@ class SmallRotations(OtherSearches):
     whether the last search ended with such an equilibrium.
     """
 
-    def __init__(self, solver: Equilibria, most: float) -> None:
+    def __init__(self, solver: Solver, most: float) -> None:
         super().__init__(solver)
         self.most, self.exceeded = most, False
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
     ) -> Equilibrium:
-        """Equilibrium at ``load`` (N), see `Equilibria`."""
+        """Equilibrium at ``load`` (N), see `Solver`."""
         self.exceeded = False
         found = self.solver.solve(load, guess, state, thorough=thorough)
         self.exceeded = found.rotation > self.most

@@ -104,7 +104,7 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
         solver: Solver = _rigid(joint, cells).under(loads)
     else:
         solver = solver_of(assembly, loads)
-    failure = first_failure_of(solver, loads.scale)
+    failure = first_failure_of(solver)
     if not failure.point.load > NOTHING * loads.scale:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
     point, nodes, order = failure.point, assembly.nodes, roots(joint, assembly)

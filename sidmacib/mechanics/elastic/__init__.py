@@ -30,7 +30,7 @@ from sidmacib.mechanics.elastic.flexibility import element_edges, flexibility
 from sidmacib.mechanics.elastic.jumps import LooseNodes, OpenGaps, cholesky_factor, inverse_by
 from sidmacib.mechanics.equilibrium import RIGID, equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.newton import STEPS
-from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
+from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, Solver, lifted_part
 
 GIB = 2.0**30
 BYTES = 8.0  # of a number
@@ -84,11 +84,11 @@ def memory_needed(assembly: Assembly, kept: Integers) -> float:
     return BYTES * max(MATRICES * square, square + ENTRY * 3.0 * coupled**3 * freedoms)
 
 
-class ElasticSolver:
+class ElasticSolver(Solver):
     """Newton's method on the jumps at the nodes of ``assembly``, with elastic pieces."""
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        self.contact_law = ContactLaw.of(assembly)
+        self.contact_law, self.scale = ContactLaw.of(assembly), loads.scale
         normal, shear = self.contact_law.normal_stiffness, self.contact_law.shear_stiffness
         # No unknowns for shear at nodes that never carry any.
         self.rough = self.contact_law.cohesive | (self.contact_law.friction > 0.0)

@@ -13,7 +13,7 @@ they slide, as sliding along plane faces lifts nothing.
 
 import importlib
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from sidmacib.mechanics.equilibrium import compliance
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
-    Equilibria,
     Equilibrium,
     FirstFailure,
     Mode,
@@ -80,17 +79,17 @@ def static_first_failure(
     the first failure converges, as friction depends on its history. Errors of `static_peak`, and
     ValueError unless ``increment`` is above 0.
     """
-    return first_failure_of(solver_of(assembly, loads), loads.scale, increment)
+    return first_failure_of(solver_of(assembly, loads), increment)
 
 
-def first_failure_of(solver: Solver, scale: float, increment: float | None = None) -> FirstFailure:
-    """`static_first_failure` by a ``solver`` that is there; ``scale``: of its loads, in N."""
+def first_failure_of(solver: Solver, increment: float | None = None) -> FirstFailure:
+    """`static_first_failure` by a ``solver`` that is there."""
     if increment is None:
-        path, failing, _ = _to_first_failure(solver, scale)
+        path, failing, _ = _to_first_failure(solver)
     else:
         require_positive(increment=increment)
-        path, failing = _raised(solver, [solver.start()], scale, increment / INCREMENT)
-    mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], scale)
+        path, failing = _raised(solver, [solver.start()], increment / INCREMENT)
+    mode = Mode.BONDS if failing.any() else _motion(solver, path[-1])
     return FirstFailure(path[-1], failing, mode)
 
 
@@ -105,17 +104,15 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     solver = solver_of(assembly, loads)
     if assembly.failure is not Failure.BRITTLE:
         return _softened(solver, assembly, loads)
-    return peak_of(solver, loads.scale)
+    return peak_of(solver)
 
 
-def peak_of(solver: Solver, scale: float) -> StaticSolution:
-    """`static_peak` of brittle bonds by a ``solver`` that is there; ``scale``: of its loads, N."""
-    return _solution(solver, scale, brittle_path(solver, scale))
+def peak_of(solver: Solver) -> StaticSolution:
+    """`static_peak` of brittle bonds by a ``solver`` that is there."""
+    return _with_motion(solver, *brittle_path(solver))
 
 
-def another_peak(
-    solver: Solver, searches: Equilibria, scale: float, other: StaticSolution
-) -> StaticSolution:
+def another_peak(solver: Solver, searches: Solver, other: StaticSolution) -> StaticSolution:
     """A path like that of ``other`` up to the first failure, and by ``searches`` from there.
 
     ``solver``: that of ``other``; ``searches``: it, or one that finds other equilibria of the same
@@ -123,90 +120,63 @@ def another_peak(
     its peak is no lower. Errors of `brittle_path`.
     """
     last = next(i for i, at in enumerate(other.path) if at.load >= other.first_failure_load)
-    path, failing = _raised(searches, [*other.path[: last + 1]], scale, other.refinement)
-    increments = scale, LEAST_INCREMENT, other.refinement
-    found = _after_first_failure(searches, path, failing, *increments, other)
-    return replace(_solution(solver, scale, found), first_failure_load=other.first_failure_load)
+    path, failing = _raised(searches, [*other.path[: last + 1]], other.refinement)
+    found, end = _after_first_failure(searches, path, failing, other.refinement, other)
+    return _with_motion(solver, replace(found, first_failure_load=other.first_failure_load), end)
 
 
-def _solution(solver: Solver, scale: float, found: "BrittlePath") -> StaticSolution:
-    mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], scale)
-    path = found.path[: found.peak + 1]
-    return StaticSolution(found.first_failure_load, path, mode, found.refinement, turns=found.turns)
+def _with_motion(solver: Solver, found: StaticSolution, last: Equilibrium) -> StaticSolution:
+    """The path with the motion of the pieces from its ``last`` equilibrium, unless bonds fail."""
+    return found if found.mode is Mode.BONDS else replace(found, mode=_motion(solver, last))
 
 
-@dataclass(frozen=True)
-class BrittlePath:
-    """A path on which bonds fail, until the load cannot rise.
-
-    ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
-    equilibria; those after the ``peak`` have its load, with more bonds broken. ``refinement``: a
-    factor on the increments. ``by_bonds``: whether bonds fail at its end, with no equilibrium left.
-    ``turns``: whether it ends because a piece would turn too far, with no bond at its strength.
-    """
-
-    first_failure_load: float
-    path: tuple[Equilibrium, ...]
-    refinement: float
-    by_bonds: bool
-    turns: bool
-
-    @property
-    def peak(self) -> int:
-        """Index of the first equilibrium at the largest load."""
-        return int(np.argmax([point.load for point in self.path]))
-
-
-def brittle_path(
-    solver: Equilibria, scale: float, precision: float = LEAST_INCREMENT
-) -> BrittlePath:
+def brittle_path(solver: Solver) -> tuple[StaticSolution, Equilibrium]:
     """Raise the load of ``solver`` from 0 until no equilibrium follows.
 
-    ``scale``: of the load, as in `Loads`; ``precision``: of the peak, over the load. Increments are
-    halved until the first failure converges. Errors of ``solver``, and `UnboundedError` if the
-    assembly carries any load.
+    Returns the path to the peak, and the last equilibrium, at that load with more bonds broken.
+    Unless bonds fail, the mode says no more than that pieces move. Increments are halved until the
+    first failure converges. Errors of ``solver``, and `UnboundedError` if the assembly carries any
+    load.
     """
-    path, failing, refinement = _to_first_failure(solver, scale, precision)
-    return _after_first_failure(solver, path, failing, scale, precision, refinement)
+    return _after_first_failure(solver, *_to_first_failure(solver))
 
 
 def _after_first_failure(
-    solver: Equilibria,
+    solver: Solver,
     path: list[Equilibrium],
     failing: Flags,
-    scale: float,
-    precision: float,
     refinement: float,
     other: StaticSolution | None = None,
-) -> BrittlePath:
+) -> tuple[StaticSolution, Equilibrium]:
     """``path`` to the first failure, where nodes are ``failing``, and what follows.
 
     ``other``: another path of the same assembly, if it is known.
     """
-    first_failure, by_bonds = path[-1].load, False
+    first_failure, mode = path[-1].load, Mode.MECHANISM
     near = _small_rotations(solver, path[-1])
     while failing.any():
         thorough = other is None or path[-1].load < other.peak.load * (1.0 - HISTORY)
         after = _redistributed(near, path[-1], failing, thorough=thorough)
         if after is None:
-            by_bonds = True
+            mode = Mode.BONDS
             break
-        path, failing = _raised(near, [*path, after], scale, refinement, precision)
-    turns = near.exceeded and not by_bonds
-    return BrittlePath(first_failure, tuple(path), refinement, by_bonds, turns)
+        path, failing = _raised(near, [*path, after], refinement)
+    to_peak = path[: int(np.argmax([point.load for point in path])) + 1]
+    turns = near.exceeded and mode is not Mode.BONDS
+    return StaticSolution(first_failure, tuple(to_peak), mode, refinement, turns=turns), path[-1]
 
 
-def _small_rotations(solver: Equilibria, first_failure: Equilibrium) -> SmallRotations:
+def _small_rotations(solver: Solver, first_failure: Equilibrium) -> SmallRotations:
     return SmallRotations(solver, max(MOST_ROTATION, TURNED * first_failure.rotation))
 
 
 def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolution:
     """`static_peak` with softening or ductile bonds: the increment is halved if a load fails."""
     softening, scale = Softening.of(assembly), loads.scale
-    path, failing, _ = _to_first_failure(solver, scale)
+    path, failing, _ = _to_first_failure(solver)
     first_failure = path[-1].load
     if not failing.any():
-        return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], scale))
+        return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1]))
     near = _small_rotations(solver, path[-1])
     increment, halved = SOFTENING_INCREMENT * (first_failure or scale), False
     # Bonds with next to no tensile strength fail before the load is raised, or soon after.
@@ -228,21 +198,17 @@ def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolutio
             path.append(point)
             if not halved:  # far above the first failure, too small an increment ends the path
                 increment = max(increment, SOFTENING_GROWTH * load)
-    mode = _motion(solver, path[-1], scale) if near.exceeded else Mode.BONDS
+    mode = _motion(solver, path[-1]) if near.exceeded else Mode.BONDS
     return StaticSolution(first_failure, tuple(path), mode, turns=near.exceeded)
 
 
-def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
+def _motion(solver: Solver, point: Equilibrium) -> Mode:
     """How pieces move away beyond the peak ``point``, where no bond is at its strength."""
-    load = point.load + BEYOND * max(point.load, LEAST_LOAD * scale)
+    load = point.load + BEYOND * max(point.load, LEAST_LOAD * solver.scale)
     return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
 
 
-def _to_first_failure(
-    solver: Equilibria,
-    scale: float,
-    precision: float = LEAST_INCREMENT,
-) -> tuple[list[Equilibrium], Flags, float]:
+def _to_first_failure(solver: Solver) -> tuple[list[Equilibrium], Flags, float]:
     """The path to the first failure, the nodes that fail there, and the refinement of increments.
 
     Friction depends on its history, which increments follow to first order. So if contacts have
@@ -253,16 +219,16 @@ def _to_first_failure(
     A path on which the solver gives up before a bond fails is not used.
     """
     start, refinement = solver.start(), 1.0
-    path, failing = _raised(solver, [start], scale, precision=precision)
+    path, failing = _raised(solver, [start])
     if not any(point.state.slip.any() for point in path):
         return path, failing, refinement
     coarser: list[Equilibrium] = []
     while refinement > LEAST_REFINEMENT:
-        if refinement * INCREMENT * scale * FEWEST <= path[-1].load:
-            coarser = coarser or _raised(solver, [start], scale, 2.0, precision)[0]
+        if refinement * INCREMENT * solver.scale * FEWEST <= path[-1].load:
+            coarser = coarser or _raised(solver, [start], 2.0)[0]
             if not _doubted(solver, coarser, path, bonds=bool(failing.any())):
                 break
-        finer, finer_failing = _raised(solver, [start], scale, refinement / 2, precision)
+        finer, finer_failing = _raised(solver, [start], refinement / 2)
         if failing.any() and not finer_failing.any():
             break
         coarser, path, failing, refinement = path, finer, finer_failing, refinement / 2
@@ -270,7 +236,7 @@ def _to_first_failure(
 
 
 def _doubted(
-    solver: Equilibria, coarser: list[Equilibrium], path: list[Equilibrium], *, bonds: bool
+    solver: Solver, coarser: list[Equilibrium], path: list[Equilibrium], *, bonds: bool
 ) -> bool:
     """Whether ``path`` may not end where it would with infinitely small increments.
 
@@ -288,34 +254,30 @@ def _doubted(
     return bool((used[loads < (1.0 - HISTORY) * loads[-1]] + change > 1.0).any())
 
 
-def _profile(solver: Equilibria, path: list[Equilibrium]) -> tuple[Floats, Floats]:
+def _profile(solver: Solver, path: list[Equilibrium]) -> tuple[Floats, Floats]:
     """Loads (N) along ``path``, and the largest utilisation at each, both (P,)."""
     used = [utilisation(solver.contact_law, point.state, point.force).max() for point in path]
     return np.array([point.load for point in path]), np.array(used)
 
 
 def _raised(
-    solver: Equilibria,
-    path: list[Equilibrium],
-    scale: float,
-    refinement: float = 1.0,
-    precision: float = LEAST_INCREMENT,
+    solver: Solver, path: list[Equilibrium], refinement: float = 1.0
 ) -> tuple[list[Equilibrium], Flags]:
     """Raise the load from the last equilibrium of ``path`` until nodes are about to fail.
 
-    ``scale``: of the loads (N); increments are fractions of it. ``refinement``: a factor on them.
-    ``precision``: the least increment over the load. Returns the path to there and the
-    nodes that fail: none if the load cannot rise further. The increment is halved where no
-    equilibrium is found, as Newton's method may fail from afar and converge from nearby, and
-    doubled again where one is. If it becomes too small, the solver is thorough from there on; a
-    load at which it then fails is not reached again.
+    Increments are fractions of the scale of the loads; ``refinement``: a factor on them. Returns
+    the path to there and the nodes that fail: none if the load cannot rise further. The increment
+    is halved where no equilibrium is found, as Newton's method may fail from afar and converge from
+    nearby, and doubled again where one is. If it becomes too small, the solver is thorough from
+    there on; a load at which it then fails is not reached again.
     """
+    scale = solver.scale
 
     def utilisation_at(point: Equilibrium) -> Floats:
         return utilisation(solver.contact_law, point.state, point.force)
 
     def least(load: float) -> float:
-        return precision * max(load, LEAST_LOAD * scale)
+        return solver.precision * max(load, LEAST_LOAD * scale)
 
     path, increment, thorough = list(path), refinement * INCREMENT * scale, False
     used = utilisation_at(path[-1])
@@ -369,7 +331,7 @@ def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> F
 
 
 def _redistributed(
-    solver: Equilibria, point: Equilibrium, failing: Flags, *, thorough: bool
+    solver: Solver, point: Equilibrium, failing: Flags, *, thorough: bool
 ) -> Equilibrium | None:
     """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
 

@@ -21,7 +21,6 @@ from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
-    Equilibria,
     Equilibrium,
     OtherSearches,
     Solver,
@@ -52,7 +51,7 @@ class FromElsewhere(OtherSearches):
     must not end a path. ``number``: of searches.
     """
 
-    def __init__(self, solver: Equilibria, seed: int) -> None:
+    def __init__(self, solver: Solver, seed: int) -> None:
         super().__init__(solver)
         self.off = OFF[seed % len(OFF)]
         self.random = np.random.default_rng(seed)
@@ -61,7 +60,7 @@ class FromElsewhere(OtherSearches):
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
     ) -> Equilibrium:
-        """Equilibrium at ``load`` (N), see `sidmacib.mechanics.solution.Equilibria`."""
+        """Equilibrium at ``load`` (N), see `sidmacib.mechanics.solution.Solver`."""
         self.number += 1
         off = self.off * np.abs(guess).max() * self.random.uniform(-1.0, 1.0, len(guess))
         try:
@@ -80,21 +79,21 @@ def lowest_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     if assembly.failure is not Failure.BRITTLE:
         return static_peak(assembly, loads)
     solver = solver_of(assembly, loads)
-    first = peak_of(solver, loads.scale)
+    first = peak_of(solver)
     if first.peak.load <= first.first_failure_load * (1.0 + 2.0 * LEAST_INCREMENT):
         return first
     most = MOST_ELASTIC * len(first.path) if assembly.elastic else MOST
-    return _lowest(solver, loads.scale, first, most)
+    return _lowest(solver, first, most)
 
 
-def _lowest(solver: Solver, scale: float, first: StaticSolution, most: int) -> StaticSolution:
+def _lowest(solver: Solver, first: StaticSolution, most: int) -> StaticSolution:
     """The lowest of the peaks; ``most``: searches for an equilibrium that end the search for it."""
     lowest, highest = first, first.peak.load
     seed, last_lower = 0, -1
     while seed - last_lower <= STARTS and most > 0:
         searches = FromElsewhere(solver, seed)
         try:
-            other = another_peak(solver, searches, scale, first)
+            other = another_peak(solver, searches, first)
         except CapacityError:
             other = first  # no peak from this start
         if other.peak.load < lowest.peak.load * (1.0 - LOWER):

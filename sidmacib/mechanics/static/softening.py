@@ -24,7 +24,7 @@ from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.solution import Equilibria, Equilibrium
+from sidmacib.mechanics.solution import Equilibrium, Solver
 
 GONE = 1e-5  # a smaller fraction of a bond's stiffness counts as 0
 SOFTENING_ROUNDS = 300  # in which the stiffness of the bonds must converge at a load
@@ -84,7 +84,7 @@ class Softening:
 
 
 def softened_equilibrium(
-    solver: Equilibria, softening: Softening, load: float, guess: Floats, state: NodeState
+    solver: Solver, softening: Softening, load: float, guess: Floats, state: NodeState
 ) -> Equilibrium:
     """The equilibrium at ``load`` (N) with bonds softened as far as they are at this load.
 

@@ -24,7 +24,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads, rotated
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.solution import Equilibrium, OtherSearches
+from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches
 from sidmacib.mechanics.static import INCREMENT, brittle_path
 from sidmacib.structure.loads import Permanent, beside_of, free_weight, permanent_only
 
@@ -121,13 +121,12 @@ def static_tilt(assembly: Assembly, loads: Loads) -> StaticTilt:
     if reason := assembly.without_stiffness:
         raise CapacityError(reason)
     solver = _Turning(assembly, loads)
-    found = brittle_path(solver, STEP / INCREMENT, PRECISION)
-    to_peak = found.path[: found.peak + 1]
-    if found.by_bonds:
-        return StaticTilt(found.first_failure_load, to_peak, Motion.BONDS, None)
-    mechanism = solver.mechanism(found.path[-1])
+    found, last = brittle_path(solver)
+    if found.mode is Mode.BONDS:
+        return StaticTilt(found.first_failure_load, found.path, Motion.BONDS, None)
+    mechanism = solver.mechanism(last)
     motion = _kind_of_motion(assembly, mechanism)
-    return StaticTilt(found.first_failure_load, to_peak, motion, mechanism)
+    return StaticTilt(found.first_failure_load, found.path, motion, mechanism)
 
 
 class _Turning(OtherSearches):
@@ -137,6 +136,7 @@ class _Turning(OtherSearches):
         self.assembly, self.loads = assembly, loads
         self.upright = RigidSolver(assembly, turned(loads, 0.0))
         super().__init__(self.upright)
+        self.scale, self.precision = STEP / INCREMENT, PRECISION
 
     def at(self, angle: float) -> RigidSolver:
         return self.upright.under(turned(self.loads, angle))
