@@ -171,21 +171,12 @@ def _projected(values: Floats, dims: Any, dual: bool) -> Floats:
         projected[: dims.zero] = values[: dims.zero]
     linear = slice(dims.zero, dims.zero + dims.nonneg)
     projected[linear] = np.maximum(values[linear], 0.0)
-    for size, first in _second_order(dims):  # self-dual
-        cones = values[first].reshape(-1, size)
-        projected[first] = _projected_on_second_order(cones).ravel()
+    sizes = np.array(dims.soc, np.int64)
+    starts = linear.stop + np.cumsum(sizes) - sizes
+    for size in np.unique(sizes):  # self-dual
+        cones = starts[sizes == size, None] + np.arange(size)
+        projected[cones] = _projected_on_second_order(values[cones])
     return projected
-
-
-def _second_order(dims: Any) -> Iterator[tuple[int, slice]]:
-    """Sizes and places of the second-order cones; neighbours of equal size together."""
-    start = dims.zero + dims.nonneg
-    sizes = list(dims.soc)
-    while sizes:
-        count = next((i for i, size in enumerate(sizes) if size != sizes[0]), len(sizes))
-        yield sizes[0], slice(start, start + count * sizes[0])
-        start += count * sizes[0]
-        del sizes[:count]
 
 
 def _projected_on_second_order(cones: Floats) -> Floats:

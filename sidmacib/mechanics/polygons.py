@@ -110,21 +110,21 @@ def outline_nodes(
     if convex and len(corners) == 4 and _right_angled(corners):
         return _on_rectangle(corners, mesh, layout, divided)
     if convex:
-        triangles = _around_centroid(outline, corners)
+        middle = np.broadcast_to(shapely.get_coordinates(outline.centroid), corners.shape)
+        triangles = np.stack([middle, corners, np.roll(corners, -1, axis=0)], axis=1)
     else:
         parts = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
-        triangles = [shapely.get_coordinates(part)[:3] for part in parts]
-    longest = max(float(np.hypot(*(t - np.roll(t, 1, axis=0)).T).max()) for t in triangles)
-    cells = divided * int(cells_along(np.array([longest]), mesh)[0])
+        triangles = np.array([shapely.get_coordinates(part)[:3] for part in parts])
+    longest = np.hypot(*(triangles - np.roll(triangles, 1, axis=1)).T).max()
+    cells = divided * int(cells_along(longest, mesh))
     if convex and cells == 1 and layout is NodeLayout.VERTICES:
         # Half of the triangles at either side, which balances about the centroid.
-        areas = np.array([_area(triangle) for triangle in triangles])
+        areas = _areas(triangles)
         return corners, (areas + np.roll(areas, 1)) / 2.0
     places, weights = TRIANGLE_RULES[layout]
-    pieces = np.concatenate([_divided(triangle, cells) for triangle in triangles])
-    areas = np.array([_area(piece) for piece in pieces])
+    pieces = _divided(triangles, cells)
     points = np.einsum("nk,tkx->tnx", places, pieces).reshape(-1, 2)
-    return _merged(points, (areas[:, None] * weights).ravel(), size)
+    return _merged(points, (_areas(pieces)[:, None] * weights).ravel(), size)
 
 
 def _right_angled(corners: Floats) -> bool:
@@ -144,29 +144,21 @@ def _on_rectangle(
     return places.reshape(-1, 2), math.prod(lengths.tolist()) * np.outer(wp, wq).ravel()
 
 
-def _around_centroid(outline: shapely.Polygon, corners: Floats) -> list[Floats]:
-    middle = shapely.get_coordinates(outline.centroid)[0]
-    return [
-        np.array([middle, one, other])
-        for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True)
-    ]
+def _areas(triangles: Floats) -> Floats:
+    (ax, ay), (bx, by) = (triangles[:, k].T - triangles[:, 0].T for k in (1, 2))
+    return np.asarray(np.abs(ax * by - ay * bx) / 2.0)
 
 
-def _area(triangle: Floats) -> float:
-    (ax, ay), (bx, by) = triangle[1] - triangle[0], triangle[2] - triangle[0]
-    return abs(float(ax * by - ay * bx)) / 2.0
-
-
-def _divided(triangle: Floats, cells: int) -> Floats:
-    """Equal triangles, (cells ** 2, 3, 2), that fill ``triangle``."""
-    origin = triangle[0]
-    along, across = (triangle[1:] - origin) / cells
-    upright = [[(i, j), (i + 1, j), (i, j + 1)] for i in range(cells) for j in range(cells - i)]
-    turned = [
+def _divided(triangles: Floats, cells: int) -> Floats:
+    """Equal ones that fill ``triangles``, (T, 3, 2): (T cells ** 2, 3, 2)."""
+    steps = [[(i, j), (i + 1, j), (i, j + 1)] for i in range(cells) for j in range(cells - i)]
+    steps += [
         [(i + 1, j + 1), (i, j + 1), (i + 1, j)] for i in range(cells) for j in range(cells - i - 1)
     ]
-    steps = np.array(upright + turned, float)
-    return np.asarray(origin + steps[..., :1] * along + steps[..., 1:] * across)
+    origin, along, across = (triangles[:, None, None, k] for k in range(3))
+    i, j = np.array(steps, float)[..., None].transpose(2, 0, 1, 3)
+    divided = origin + i * ((along - origin) / cells) + j * ((across - origin) / cells)
+    return np.asarray(divided.reshape(-1, 3, 2))
 
 
 def _merged(points: Floats, areas: Floats, size: float) -> tuple[Floats, Floats]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.compilation import compiled
-from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState, components
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 
 NORMAL, SHEAR, FRICTION, GIVEN = range(4)
 ROUNDING = 1e-9  # of the largest node force; equilibria are ten times more accurate
@@ -125,23 +125,6 @@ def forces_and_tangents(law, slip, whole, moved):
         t[0, 0], t[1, 0], t[2, 0], t[1, 1], t[1, 2], t[2, 2] = node_tangent(*node)
         t[2, 1] = t[1, 2]
     return force, tangent
-
-
-def friction_limits(law: Floats, whole: Floats, normal: Floats) -> Floats:
-    """Friction limit (N) of each node under ``normal`` forces (N), 0 where it is bonded, (N,)."""
-    return np.asarray(law[FRICTION] * np.where(whole > 0.0, 0.0, np.maximum(normal, 0.0)))
-
-
-def rubbing(law: Floats, whole: Floats) -> Flags:
-    """Whether a node has friction: it is not bonded, and rough, (N,)."""
-    return np.asarray((whole == 0.0) & (law[FRICTION] > 0.0))
-
-
-def with_given_friction(law: Floats, limits: Floats) -> Floats:
-    """The ``law`` with friction ``limits`` (N), (N,), in place of the cone."""
-    other = law.copy()
-    other[FRICTION], other[GIVEN] = 0.0, limits
-    return other
 
 
 def utilisation(contact_law: ContactLaw, state: NodeState, force: Floats) -> Floats:

@@ -15,6 +15,7 @@ law; only nodes that are open or slip have unknowns. Node forces always balance 
 import math
 import os
 import resource
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -42,9 +43,9 @@ SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # fractions of a Newton step that are tri
 LAW_RESIDUAL = 1e-9  # of the contact law, over the loads
 OPEN_FLOOR = 1e-9  # of a node's stiffness: added where it is open
 LOOSE = 1e-13  # of the stiffness against rigid motions: added for pieces that nothing holds
-LEAST_STEP = 0.01  # of friction that is raised from 0, over all of it
+LEAST_STEP = 0.01  # of friction that is raised from 0
 STICKS = 1e6  # times friction: at so much, hardly a node slides
-LEAST_RATIO = 1.01  # of friction that is lowered from there, to that of the next step
+LEAST_LOWERING = 7e-4  # of the logarithm of friction that is lowered from there
 
 
 def require_memory(needed: float, what: str) -> None:
@@ -151,9 +152,11 @@ class ElasticSolver(Solver):
             found = self._newton(load, guess, state, self.contact_law.friction)
             self.cycles_from_nothing |= from_nothing and found is None and not self.flew_off
         if found is None and thorough:
-            found = self._roughened(load, guess, state)
+            found = self._by_steps(load, guess, state, lambda share: share, LEAST_STEP)
             if found is None and whole:
-                found = self._loosened(load, guess, state)
+                found = self._by_steps(
+                    load, guess, state, lambda share: STICKS ** (1.0 - share), LEAST_LOWERING
+                )
             if found is None and from_nothing and self.cycles_from_nothing:
                 raise SolverError(
                     "no equilibrium of elastic blocks was found from no force at all; give them a "
@@ -170,41 +173,30 @@ class ElasticSolver(Solver):
         """
         return not (self.forces[:, 0].any() or guess.any() or state.slip.any())
 
-    def _roughened(self, load: float, guess: Floats, state: NodeState) -> Equilibrium | None:
-        """Equilibrium from that without friction, which is then raised in steps; None if they fail.
+    def _by_steps(
+        self,
+        load: float,
+        guess: Floats,
+        state: NodeState,
+        factor: Callable[[float], float],
+        least: float,
+    ) -> Equilibrium | None:
+        """Equilibrium from that with a ``factor`` of 0 on friction, in steps to that of 1.
 
-        A step that fails is halved, one that succeeds doubled.
+        A step that fails is halved, one that succeeds doubled; None if it becomes ``least``.
         """
         friction = self.contact_law.friction
-        found = self._newton(load, guess, state, np.zeros_like(friction))
+        found = self._newton(load, guess, state, factor(0.0) * friction)
         share, step = 0.0, 1.0
         while found is not None and share < 1.0:
-            if step < LEAST_STEP:
+            if step < least:
                 return None
             further = min(share + step, 1.0)
-            rougher = self._newton(load, found.unknowns, state, further * friction)
-            if rougher is None:
+            after = self._newton(load, found.unknowns, state, factor(further) * friction)
+            if after is None:
                 step /= 2
             else:
-                found, share, step = rougher, further, 2 * step
-        return found
-
-    def _loosened(self, load: float, guess: Floats, state: NodeState) -> Equilibrium | None:
-        """Equilibrium from that where friction holds all, which is then lowered; None if it fails.
-
-        The ratio of a step that fails becomes its square root, of one that succeeds its square.
-        """
-        friction, times, ratio = self.contact_law.friction, STICKS, STICKS
-        found = self._newton(load, guess, state, times * friction)
-        while found is not None and times > 1.0:
-            if ratio < LEAST_RATIO:
-                return None
-            lower = max(times / ratio, 1.0)
-            looser = self._newton(load, found.unknowns, state, lower * friction)
-            if looser is None:
-                ratio = math.sqrt(ratio)
-            else:
-                found, times, ratio = looser, lower, min(ratio**2, STICKS)
+                found, share, step = after, further, 2 * step
         return found
 
     def _newton(

@@ -20,7 +20,7 @@ import numpy as np
 
 from sidmacib.errors import UnsettledError
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.contact_law.kernels import friction_limits, rubbing, with_given_friction
+from sidmacib.mechanics.contact_law.kernels import FRICTION, GIVEN
 from sidmacib.mechanics.newton import (
     QUICK,
     Matrix,
@@ -66,7 +66,8 @@ class EquilibriumSearch:
     @property
     def limits(self) -> Floats:
         """Friction limit (N) of each node by its normal force ``here``, (N,)."""
-        return friction_limits(self.contacts.law, self.whole, self.here.force[0])
+        normal = np.where(self.whole > 0.0, 0.0, np.maximum(self.here.force[0], 0.0))
+        return np.asarray(self.contacts.law[FRICTION] * normal)
 
     def equilibrium_from(self, unknowns: Floats) -> bool:
         """Move ``here`` to equilibrium by Newton's method from ``unknowns``; whether it did."""
@@ -81,7 +82,8 @@ class EquilibriumSearch:
         Returns whether it was found. It is not if the loads push pieces away; these are then some
         way off.
         """
-        law = with_given_friction(self.contacts.law, limits)
+        law = self.contacts.law.copy()
+        law[FRICTION], law[GIVEN] = 0.0, limits
         arrays = self.contacts._replace(law=law), self.matrix, self.here
         at_nodes = self.target, unknowns, self.slip, self.whole
         accuracy = self.stiffness, self.floor, self.allowed, self.farthest
@@ -96,7 +98,8 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
     `UnsettledError` where rounds of `MANY` unknowns decide nothing.
     """
     here = problem.here
-    never_reached = np.where(rubbing(problem.contacts.law, problem.whole), math.inf, 0.0)
+    rubs = (problem.whole == 0.0) & (problem.contacts.law[FRICTION] > 0.0)
+    never_reached = np.where(rubs, math.inf, 0.0)
     if not problem.with_given_limits(guess, never_reached):
         return False
     stuck, from_stuck = here.unknowns.copy(), problem.limits
