@@ -228,15 +228,20 @@ class Number(Read):
         inside = self.above < value < self.below and self.at_least <= value <= self.at_most
         return inside and (not self.whole or value.is_integer())
 
+    @property
+    def _bounds(self) -> list[tuple[str, str, float]]:
+        """Each bound that there is: the key of JSON schema for it, words, and where it is."""
+        every = [
+            ("exclusiveMinimum", "greater than", self.above),
+            ("minimum", "at least", self.at_least),
+            ("maximum", "at most", self.at_most),
+            ("exclusiveMaximum", "less than", self.below),
+        ]
+        return [bound for bound in every if math.isfinite(bound[2])]
+
     def range(self, kind: bool = False) -> str:
         """The range in words; ``kind``: and that it is one of numbers."""
-        bounds = [
-            (self.above, "greater than {:g}"),
-            (self.at_least, "at least {:g}"),
-            (self.at_most, "at most {:g}"),
-            (self.below, "less than {:g}"),
-        ]
-        words = " and ".join(text.format(x) for x, text in bounds if math.isfinite(x))
+        words = " and ".join(f"{text} {x:g}" for _, text, x in self._bounds)
         if not words:
             return f"a finite number{f' ({self.unit})' if self.unit else ''}"
         if self.at_least == self.at_most:
@@ -251,16 +256,10 @@ class Number(Read):
     @property
     def schema(self) -> dict[str, Any]:
         """The range as JSON schema, and in words for people."""
-        bounds = {
-            "exclusiveMinimum": self.above,
-            "minimum": self.at_least,
-            "maximum": self.at_most,
-            "exclusiveMaximum": self.below,
-        }
         kind: Any = "integer" if self.whole else "number"
         return {
             "type": [kind, "string"] if self.unit in MEASURED_IN else kind,  # with a unit
-            **{key: bound for key, bound in bounds.items() if math.isfinite(bound)},
+            **{key: x for key, _, x in self._bounds},
             "allowed": self.range(kind=True),
         }
 

@@ -1,7 +1,4 @@
-"""The programme of limit analysis: forces that a state of the assembly admits, in units of about 1.
-
-What `sidmacib.mechanics.limit` maximises over them is a load, or a part of the permanent loads.
-"""
+"""The programme of limit analysis: forces that an assembly admits, in units of about 1."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -52,10 +49,9 @@ def admissible(
     assembly: Assembly,
     loads: Loads,
     cone: Cone,
-    load: cp.Variable | float,
+    load: cp.Variable,
     s: cp.Variable,
     limited: Collection[int],
-    permanent: cp.Variable | float = 1.0,
     twist: Twist | None = None,
     driven: Floats | None = None,
 ) -> list[cp.Constraint]:
@@ -65,19 +61,18 @@ def admissible(
 
         \begin{aligned}
         \max_{\lambda, s} \quad & \lambda \\
-        \text{subject to} \quad & C s = \kappa p + \lambda q & \text{free pieces} \\
+        \text{subject to} \quad & C s = p + \lambda q & \text{free pieces} \\
         & |s_t| \le \tau A + \mu_b s_n, \quad s_n \ge -\sigma A & \text{bonded nodes} \\
         & |s_t| \le \mu s_n & \text{rough dry nodes} \\
         & s_t = 0, \quad s_n \ge 0 & \text{smooth nodes} \\
         & |s_{t1}| \le \mu s_n, \quad |s_{t2}| \le \tau A, \quad s_n \ge 0 & \text{locks}
         \end{aligned}
 
-    :math:`\lambda` is the load and :math:`\kappa` the part of the ``permanent`` loads p that acts.
-    The ``cone`` of the nodes gives tau A, mu and sigma A; a node that is not bonded is rough if its
-    mu is above 0. Locks are contact points in their place, t1 along them and t2 across. Added are
-    limits of torque by a ``twist``, the equilibrium of what is ``driven`` under the load, those of
-    a rule for condensed locks, and those of pressed parts of ``limited`` faces by
-    `sidmacib.mechanics.crushing`.
+    :math:`\lambda` is the load and p the permanent loads. The ``cone`` of the nodes gives tau A, mu
+    and sigma A; a node that is not bonded is rough if its mu is above 0. Locks are contact points
+    in their place, t1 along them and t2 across. Added are limits of torque by a ``twist``, the
+    equilibrium of what is ``driven`` under the load, those of a rule for condensed locks, and those
+    of pressed parts of ``limited`` faces by `sidmacib.mechanics.crushing`.
     """
     law, units = ContactLaw.of(assembly), Scales.of(assembly, loads)
     dry = ~law.cohesive & ~law.locked
@@ -99,7 +94,7 @@ def admissible(
 
     constraints = [
         # ``s`` acts on the pieces above, C is for those below: hence no minus.
-        C @ cp.vec(s, order="C") == permanent * p + load * q,
+        C @ cp.vec(s, order="C") == p + load * q,
         size(bonded) <= limit(bonded),
         s_n[bonded] >= -sigma[bonded],
         size(rough) <= limit(rough),

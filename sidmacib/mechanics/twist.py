@@ -125,8 +125,7 @@ class Twist:
     @classmethod
     def of(cls, assembly: Assembly, force: Floats) -> "Twist":
         """By the forces of a state without such limits, (N, 3) in N."""
-        where = Resultants.of(assembly, force)
-        return cls(where.centres, {})._more(assembly, where)
+        return cls(np.full((len(assembly.faces), 2), np.nan), {}).after(assembly, force, 0.0)
 
     def after(self, assembly: Assembly, force: Floats, kept: float) -> "Twist":
         """By the forces of a state with these limits; ``kept``: weight of the centres before it."""
@@ -134,18 +133,15 @@ class Twist:
         mean = kept * self.centres + (1.0 - kept) * where.centres
         moved = np.where(np.isnan(self.centres), where.centres, mean)
         centres = np.where(np.isnan(where.centres), self.centres, moved)
-        return Twist(centres, self.motions)._more(assembly, where)
+        motions = dict(self.motions)
+        for number, used, motion in where.uses(assembly, centres):
+            if used > 1.0 + EXCESS:
+                motions[number] = np.vstack([motions.get(number, FIRST), motion])
+        return Twist(centres, motions)
 
     def nearer(self) -> "Twist":
         """With the centres half as far from the middles of the faces."""
         return replace(self, centres=self.centres / 2.0)
-
-    def _more(self, assembly: Assembly, where: "Resultants") -> "Twist":
-        motions = dict(self.motions)
-        for number, used, motion in where.uses(assembly, self.centres):
-            if used > 1.0 + EXCESS:
-                motions[number] = np.vstack([motions.get(number, FIRST), motion])
-        return replace(self, motions=motions)
 
     def rows(
         self, assembly: Assembly, rough: Integers, unit: Floats
@@ -204,27 +200,21 @@ class Resultants:
             np.array([sums(x * normal), sums(y * normal)]).T / divisor[:, None],
         )
 
-    def candidates(self, assembly: Assembly) -> list[int]:
-        """Dry faces that are pressed and twisted about the resultant of their pressure."""
+    def uses(self, assembly: Assembly, centres: Floats) -> Iterator[tuple[int, float, Floats]]:
+        """Dry faces that are pressed and twisted about the resultant of their pressure.
+
+        Their numbers, the part of its limit that each uses, and the motion, (3,), in which it does,
+        by a pressure with its resultant at the ``centres``, as in `Twist`.
+        """
         x, y = self.centres.T
         about = np.abs(self.torque - x * self.shear[1] + y * self.shear[0])
-        return [
-            number
-            for number, face in enumerate(assembly.faces)
-            if face.kind is Kind.DRY
-            and self.limit[number] > 0.0
-            and about[number] > EXCESS * self.limit[number] * points_of(face)[2]
-        ]
-
-    def uses(self, assembly: Assembly, centres: Floats) -> Iterator[tuple[int, float, Floats]]:
-        """Numbers of such faces, the part of their limit that each uses, and its motion, (3,).
-
-        By a pressure with its resultant at the ``centres``, as in `Twist`.
-        """
-        for number in self.candidates(assembly):
-            pressure = Pressure.of(assembly.faces[number], centres[number])
-            both = [*self.shear[:, number], self.torque[number] / pressure.size]
-            yield number, *pressure.worst(np.array(both) / self.limit[number])
+        for number, face in enumerate(assembly.faces):
+            limit = self.limit[number]
+            twisted = limit > 0.0 and about[number] > EXCESS * limit * points_of(face)[2]
+            if face.kind is Kind.DRY and twisted:
+                pressure = Pressure.of(face, centres[number])
+                both = [*self.shear[:, number], self.torque[number] / pressure.size]
+                yield number, *pressure.worst(np.array(both) / limit)
 
 
 def torque_use(assembly: Assembly, force: Floats) -> float:
