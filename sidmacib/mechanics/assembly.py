@@ -5,10 +5,10 @@ faces may have any shape; the joint's are cuboids and rectangles. All quantities
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,10 +119,12 @@ class Piece:
     fixed: bool
     elastic: Elastic | None = None
 
-    @property
-    def mass(self) -> float:
-        """In kg."""
-        raise NotImplementedError
+    if TYPE_CHECKING:  # a field of some, which others compute
+
+        @property
+        def mass(self) -> float:
+            """In kg."""
+            raise NotImplementedError
 
     @property
     def centre(self) -> Floats:
@@ -150,7 +152,7 @@ class Cuboid(Piece):
     name: str
     low: Vector
     high: Vector
-    mass: float = field()  # kg
+    mass: float  # kg
     fixed: bool = False
     elastic: Elastic | None = None
 
@@ -191,15 +193,17 @@ class Face:
     below: int
     above: int
 
-    @property
-    def axes(self) -> Floats:
-        """Unit normal, then two tangents, shape (3, 3)."""
-        raise NotImplementedError
+    if TYPE_CHECKING:  # fields of some, which others compute
 
-    @property
-    def middle(self) -> Vector:
-        """In m."""
-        raise NotImplementedError
+        @property
+        def axes(self) -> Floats:
+            """Unit normal, then two tangents, shape (3, 3)."""
+            raise NotImplementedError
+
+        @property
+        def middle(self) -> Vector:
+            """In m."""
+            raise NotImplementedError
 
     @property
     def area(self) -> float:

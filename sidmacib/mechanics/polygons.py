@@ -6,7 +6,7 @@ divided into equal ones no longer than the mesh.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -30,8 +30,8 @@ TRIANGLE_RULES = {
 class Polygon(Face):
     """A face with an ``outline`` along its tangents (m), from its ``middle``, the centroid."""
 
-    axes: Floats = field()
-    middle: Vector = field()
+    axes: Floats
+    middle: Vector
     outline: shapely.Polygon
 
     @property
