@@ -15,8 +15,6 @@ import argparse
 import json
 import math
 import uuid
-from collections.abc import Iterator
-from dataclasses import dataclass
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
@@ -28,6 +26,8 @@ from sidmacib.mechanics.assembly import Vector
 from sidmacib.structure.blocks import Block, prism
 
 FILE = Path(__file__).parent / "vault.json"
+RADIUS, THICKNESS = 2.5, 0.5  # m: radius of the middle
+LENGTH = 0.6  # m, of a block along y
 DENSITY = 2000.0  # kg/m3
 DIGITS = 6  # of coordinates in m
 SPRINGER = 0.5  # m, height of the springers
@@ -37,24 +37,9 @@ FROM = (-0.5, -1.1, 0.45)  # where the model is seen from, over its size
 
 
 # --- the file ------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Barrel:
-    """``courses`` over the semicircle, each ``blocks`` long; ``radius`` (m) of the middle.
-
-    ``thickness`` and ``block``, the length of a block along y, in m.
-    """
-
-    courses: int = 13
-    blocks: int = 8
-    radius: float = 2.5
-    thickness: float = 0.5
-    block: float = 0.6
-
-
-def barrel(size: Barrel) -> list[Block]:
-    """The two springers, then the blocks course by course, from +x to -x."""
-    inner, outer = size.radius - size.thickness / 2, size.radius + size.thickness / 2
-    length = size.blocks * size.block
+def barrel(courses: int = 13, blocks: int = 8) -> list[Block]:
+    """The two springers, then ``courses`` from +x to -x, each ``blocks`` long."""
+    inner, outer = RADIUS - THICKNESS / 2, RADIUS + THICKNESS / 2
 
     def at(r: float, angle: float, y: float) -> Vector:
         return r * math.cos(angle), y, r * math.sin(angle)
@@ -63,22 +48,15 @@ def barrel(size: Barrel) -> list[Block]:
     for name, side in (("block0", 1.0), ("block1", -1.0)):
         near, far = sorted((side * inner, side * outer))
         base = [(near, 0.0, 0.0), (far, 0.0, 0.0), (far, 0.0, -SPRINGER), (near, 0.0, -SPRINGER)]
-        found.append(prism(name, base, (0.0, length, 0.0), DENSITY, fixed=True))
-    for course in range(size.courses):
-        p, q = (math.pi * (course + k) / size.courses for k in (0, 1))
-        for start, end in _ends(size.blocks, course % 2 == 1):
-            y, along = start * size.block, (end - start) * size.block
+        found.append(prism(name, base, (0.0, blocks * LENGTH, 0.0), DENSITY, fixed=True))
+    for course in range(courses):
+        p, q = (math.pi * (course + k) / courses for k in (0, 1))
+        joints = [0.0, *np.arange(0.5, blocks).tolist(), float(blocks)]
+        for start, end in pairwise(joints if course % 2 else range(blocks + 1)):
+            y, along = start * LENGTH, (end - start) * LENGTH
             base = [at(inner, p, y), at(outer, p, y), at(outer, q, y), at(inner, q, y)]
             found.append(prism(f"block{len(found)}", base, (0.0, along, 0.0), DENSITY))
     return found
-
-
-def _ends(blocks: int, shifted: bool) -> Iterator[tuple[float, float]]:
-    """Beginnings and ends of the blocks of a course, in lengths of a block."""
-    joints = [0.0, *(k + 0.5 for k in range(blocks)), float(blocks)]
-    if not shifted:
-        joints = [float(k) for k in range(blocks + 1)]
-    yield from pairwise(joints)
 
 
 def content(blocks: list[Block]) -> dict[str, Any]:
@@ -86,6 +64,7 @@ def content(blocks: list[Block]) -> dict[str, Any]:
     stone = _identity("stone")
     elements = {_identity(block.name): _element(block, stone) for block in blocks}
     material = {"name": "Stone", "fck": None, "ft": None, "Ecm": None, "poisson": 0.2}
+    children = [{"name": "ElementNode", "element": each} for each in elements]
     graph = {
         "attributes": {},
         "default_node_attributes": {"x": 0.0, "y": 0.0, "z": 0.0, "element": None},
@@ -94,13 +73,11 @@ def content(blocks: list[Block]) -> dict[str, Any]:
         "edge": {str(number): {} for number in range(len(elements))},
         "max_node": len(elements) - 1,
     }
-    children = [{"name": "ElementNode", "element": each} for each in elements]
-    data: dict[str, Any] = {
+    material |= {"density": DENSITY}
+    data = {
         "transformation": None,
         "elements": elements,
-        "materials": {
-            stone: _object("compas_dem.material/Stone", {**material, "density": DENSITY}, stone)
-        },
+        "materials": {stone: _object("compas_dem.material/Stone", material, stone)},
         "tree": {"attributes": {}, "root": {"name": "root", "children": children}},
         "graph": graph,
     }
@@ -144,9 +121,9 @@ def _identity(name: str) -> str:
     return str(uuid.uuid5(uuid.NAMESPACE_OID, name))
 
 
-def text(size: Barrel) -> str:
-    """The file of a vault."""
-    return json.dumps(content(barrel(size)), separators=(",", ":")) + "\n"
+def text() -> str:
+    """The file of the vault."""
+    return json.dumps(content(barrel()), separators=(",", ":")) + "\n"
 
 
 # --- the viewer ----------------------------------------------------------------------------------
@@ -207,7 +184,7 @@ def main() -> None:
     show.add_argument("--picture", type=Path, help="draw into this file and end")
     arguments = parser.parse_args()
     if arguments.command == "write":
-        FILE.write_text(text(Barrel()))
+        FILE.write_text(text())
     else:
         shown(arguments.model, arguments.results, arguments.picture)
 

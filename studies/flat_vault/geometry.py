@@ -27,6 +27,12 @@ KERB = 0.6  # m, width of the kerb stones and of the walls below
 WALL = 0.3  # m, height of the walls
 FRICTION = 0.6
 DENSITY = 2000  # kg/m3
+SIDES = {  # of the vault: axis across it, and outwards along that
+    "left": (0, -1),
+    "right": (0, 1),
+    "front": (1, -1),
+    "back": (1, 1),
+}
 
 
 def description(blocks: int, friction: float = FRICTION) -> dict[str, Any]:
@@ -66,43 +72,36 @@ def _blocks(count: int) -> Iterator[tuple[str, dict[str, Any]]]:
             yield name(column, row), {"vertices": vertices, "faces": faces, "density": DENSITY}
 
 
-def _sides(count: int) -> tuple[tuple[str, bool, float, float], ...]:
-    """Name, whether its thrust is along x, where it begins (m), and outwards there: 1 or -1."""
-    far = count * SIDE
-    return (
-        ("left", True, 0.0, -1.0),
-        ("right", True, far, 1.0),
-        ("front", False, 0.0, -1.0),
-        ("back", False, far, 1.0),
-    )
-
-
 def _kerb(count: int) -> Iterator[tuple[str, dict[str, Any]]]:
     """A stone along each outer side of a block."""
-    for side, along_x, start, outwards in _sides(count):
+    for side, (axis, outwards) in SIDES.items():
+        edge = 0 if outwards < 0 else count - 1
         for number in range(count):
-            edge = 0 if outwards < 0 else count - 1
-            out = _out(edge, number) if along_x else -_out(number, edge)
-            outline = [
-                (start, 0.0),
-                (start + outwards * KERB, 0.0),
-                (start + outwards * KERB, THICKNESS),
-                (start + outwards * out * LEAN * THICKNESS, THICKNESS),
+            out = -_out(number, edge) if axis else _out(edge, number)
+            reaches = (0.0, KERB, KERB, out * LEAN * THICKNESS)
+            heights = (0.0, 0.0, THICKNESS, THICKNESS)
+            points = [
+                _rounded(*_across(count, side, reach, number * SIDE), height)
+                for reach, height in zip(reaches, heights, strict=True)
             ]
-            low = number * SIDE
-            points = [_rounded(p, low, z) if along_x else _rounded(low, p, z) for p, z in outline]
-            along = [0, SIDE, 0] if along_x else [SIDE, 0, 0]
+            along = [SIDE, 0, 0] if axis else [0, SIDE, 0]
             yield f"{side}{number + 1}", {"outline": points, "along": along, "density": DENSITY}
 
 
 def _walls(count: int) -> Iterator[tuple[str, dict[str, Any]]]:
     """A fixed wall below each row of kerb stones."""
-    for side, along_x, start, outwards in _sides(count):
-        across = sorted((start, start + outwards * KERB))
-        length = [0.0, count * SIDE]
-        (x, to_x), (y, to_y) = (across, length) if along_x else (length, across)
-        low, high = _rounded(x, y, -WALL), _rounded(to_x, to_y, 0.0)
-        yield f"wall_{side}", {"low": low, "high": high, "fixed": True}
+    for side in SIDES:
+        ends = _across(count, side, 0.0, 0.0), _across(count, side, KERB, count * SIDE)
+        low, high = zip(*(sorted(each) for each in zip(*ends, strict=True)), strict=True)
+        shape = {"low": _rounded(*low, -WALL), "high": _rounded(*high, 0.0), "fixed": True}
+        yield f"wall_{side}", shape
+
+
+def _across(count: int, side: str, reach: float, along: float) -> tuple[float, float]:
+    """x and y (m) of a point that is ``reach`` outside a side, and ``along`` it."""
+    axis, outwards = SIDES[side]
+    across = (count * SIDE if outwards > 0 else 0.0) + outwards * reach
+    return (along, across) if axis else (across, along)
 
 
 def _rounded(*values: float) -> list[float]:
@@ -111,14 +110,10 @@ def _rounded(*values: float) -> list[float]:
 
 def text(blocks: int) -> str:
     """The file of a vault of so many blocks along either side, a line for each block."""
-    lines = [HEAD.format(blocks)]
-    for key, value in description(blocks).items():
-        if key != "blocks":
-            lines.append(f"{key}: {_in_a_line(value)}")
-            continue
-        lines.append(f"{key}:")
-        lines += [f"  {block}: {_in_a_line(shape)}" for block, shape in value.items()]
-    return "\n".join(lines) + "\n"
+    shapes, *others = description(blocks).items()
+    lines = [f"  {block}: {_in_a_line(shape)}" for block, shape in shapes[1].items()]
+    lines += [f"{key}: {_in_a_line(value)}" for key, value in others]
+    return "\n".join([HEAD.format(blocks), "blocks:", *lines]) + "\n"
 
 
 def _in_a_line(value: Any) -> str:
