@@ -149,10 +149,10 @@ def _collection(path: Path, files: list[tuple[float, str]]) -> Path:
 
 def run(arguments: Arguments, inputs: FileLists, outputs: Arguments) -> None:
     """Write two files for each case of a structure."""
-    found = {record.id: record.part for record in read_records(inputs["records"])}
+    found = {record.folder: record.part for record in read_records(inputs["records"])}
     paths = {path.name: path for path in outputs["files"]}
     for case in map(StructureCase.from_json, arguments["cases"]):
-        assembly, part = case.subject.problem().assembly, found[case.id]
+        assembly, part = case.subject.problem().assembly, found[case.folder]
         still = (0.0,) * 6  # where the model gives no motion
         moves = [block.move or still for block in part.blocks] or [still] * len(assembly.pieces)
         for name, mesh in (

@@ -47,18 +47,20 @@ def test_a_variant_changes_what_it_names_where_it_says() -> None:
     variants = {"soft": {"failure": "ductile", "meshes": [0.02], "eccentricities": [0]}}
     cases = cases_of(read_study(merged(variants=variants, **BOTH)))
     assert {key for key, case in cases.items() if case.variant == "soft"} == {
-        (model, "n3-mesh0.02-e0a-soft")
+        f"cases/{model}/n3-mesh0.02-e0a-soft"
         for model in ("yade", "static", "limit")  # liggghts knows brittle faces only
-    } | {(model, "n3-mesh0.01-e0a-soft") for model in ("static", "limit")}  # for the mesh error
-    soft = cases["yade", "n3-mesh0.02-e0a-soft"]
-    whole = cases["yade", "n3-mesh0.02-e0a"]
+    } | {
+        f"cases/{model}/n3-mesh0.01-e0a-soft" for model in ("static", "limit")
+    }  # for the mesh error
+    soft = cases["cases/yade/n3-mesh0.02-e0a-soft"]
+    whole = cases["cases/yade/n3-mesh0.02-e0a"]
     ductile = replace(whole.subject.joint, failure=Failure.DUCTILE)
     assert soft == replace(with_subject(whole, joint=ductile), name=soft.name, variant="soft")
 
 
 def test_where_there_is_one_mesh_the_quick_models_run_at_half_of_it_too() -> None:
     study = read_study(merged(meshes=[0.02], eccentricities=[0]))
-    found = {(model, case.subject.mesh) for (model, _), case in cases_of(study).items()}
+    found = {(case.model, case.subject.mesh) for case in cases_of(study).values()}
     engines = {(engine, 0.02) for engine in study.dem.engines}
     assert found == engines | {(model, mesh) for model in SOLVED for mesh in (0.02, 0.01)}
     assert case_count(study) == len(cases_of(study))
@@ -77,7 +79,10 @@ def test_a_model_runs_a_part_of_a_sample_and_the_reference_variant_always() -> N
         }
     )
     cases = cases_of(study)
-    found = {model: [n for m, n in cases if m == model] for model in ("yade", "liggghts")}
+    found = {
+        model: [case.name for case in cases.values() if case.model == model]
+        for model in ("yade", "liggghts")
+    }
     assert found["liggghts"] == ["n3-mesh0.02-e0a", "n3-mesh0.02-e0a-half"]
     assert found["yade"] == [f"n3-mesh{mesh}-e{e}a" for mesh in (0.02, 0.005) for e in (0, 0.5)]
     assert case_count(study) == len(cases)
@@ -91,9 +96,9 @@ def test_a_sample_has_faces_of_its_own_and_models_that_can_run_them() -> None:
     own = {"locks": 3, **faces, "models": ["static", "yade"]}
     study = read_study({**BOTH, "samples": {**ONE["samples"], "own": own}, "eccentricities": [0]})
     cases = cases_of(study)
-    models = {model for (model, _), case in cases.items() if case.subject.sample == "own"}
+    models = {case.model for case in cases.values() if case.subject.sample == "own"}
     assert models == {"static", "yade"}
-    changed, plain = cases["static", "own-mesh0.02-e0a"].subject.joint, study.joint("n3")
+    changed, plain = cases["cases/static/own-mesh0.02-e0a"].subject.joint, study.joint("n3")
     assert changed.dry == replace(plain.dry, friction=0.01)
     assert changed.inner == replace(plain.inner, shear_stiffness=5e9)
     assert case_count(study) == len(cases) == 2 * (4 + 2)
@@ -142,7 +147,7 @@ def test_a_key_is_the_same_for_all_models_and_variants_and_apart_from_others() -
 
 def test_the_digest_covers_what_the_results_depend_on_and_nothing_else() -> None:
     cases = cases_of(read_study(ONE))
-    case = cases["yade", "n3-mesh0.02-e0a"]
+    case = cases["cases/yade/n3-mesh0.02-e0a"]
     assert replace(with_subject(case, sample="y"), name="x", variant="z").digest() == case.digest()
     others = [
         replace(case, model="liggghts"),

@@ -199,9 +199,9 @@ def any_capacity() -> pd.DataFrame:
 
 def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
     cases = cases_of(varied({"tough": {"failure": "softening", "fracture_energy": 10}}))
-    tough = cases["static", "n3-mesh0.02-e0a-tough"].subject.joint
+    tough = cases["cases/static/n3-mesh0.02-e0a-tough"].subject.joint
     assert (tough.failure, tough.inner.fracture_energy) == (Failure.SOFTENING, 10.0)
-    assert cases["static", "n3-mesh0.02-e0a"].subject.joint.inner.fracture_energy == 0.0
+    assert cases["cases/static/n3-mesh0.02-e0a"].subject.joint.inner.fracture_energy == 0.0
 
 
 def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> None:

@@ -14,7 +14,6 @@ from sidmacib.command.output import FORMATS, text_of
 from sidmacib.errors import ResultError
 from sidmacib.models import REFERENCE_MODEL
 from workflow.case import Case
-from workflow.cases import case_count
 from workflow.command import (
     REPORT,
     lock,
@@ -31,7 +30,6 @@ from workflow.jobs import case_jobs
 from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
 from workflow.schema import Study
 
-MANY = 5000  # cases, which take a while to plan
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
 RETRY = "RETRY"  # in the environment: try all cases without a result again
 
@@ -41,8 +39,6 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
     study = read_study_file(config, results)
     for line in notes(study):
         print(f"Note: {line}", file=sys.stderr)
-    if (count := case_count(study)) > MANY:
-        print(f"{count:,} cases", file=sys.stderr)
     with lock(Path(study.results)):
         forget_failures(Path(study.results), every=bool(os.environ.get(RETRY)))
     if not options:  # nothing is computed on a cluster's front end

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from sidmacib.engines import Numerics
 from sidmacib.joint import Direction, Joint
@@ -18,13 +18,6 @@ from sidmacib.validation import dataclass_from, plain
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
 STRUCTURE_FILE = "sidmacib.structure.files.structure_file"
-
-
-class CaseId(NamedTuple):
-    """The identity of a case among all of joints, or of structures: its model and its name."""
-
-    model: str
-    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,13 +118,8 @@ class Case(Generic[Subject]):
     numerics: Numerics | None
 
     @property
-    def id(self) -> CaseId:
-        """Its identity among the cases of its kind."""
-        return CaseId(self.model, self.name)
-
-    @property
     def folder(self) -> str:
-        """The folder of its files, below the results folder."""
+        """The folder of its files, below the results folder: its identity."""
         return f"{self.subject.kind}/{self.model}/{self.name}"
 
     def digest(self) -> str:

@@ -17,7 +17,6 @@ from sidmacib.quantities import shown
 from workflow.case import (
     REFERENCE,
     Case,
-    CaseId,
     JointCase,
     JointSubject,
     StructureCase,
@@ -43,8 +42,8 @@ WHOLE = 0.999  # of a side: a mesh must be less than it
 Value = TypeVar("Value", str, float)
 
 
-def cases_of(study: Study) -> dict[CaseId, JointCase]:
-    """All cases of ``study`` by their identity.
+def cases_of(study: Study) -> dict[str, JointCase]:
+    """All cases of ``study`` by their folders.
 
     Raises `ConfigError` for overrides of cases that do not exist, and if there are too many cases.
     """
@@ -53,7 +52,7 @@ def cases_of(study: Study) -> dict[CaseId, JointCase]:
             f"study: {count:,} cases (samples x meshes x eccentricities x models and "
             f"variants) are too many; at most {MAX_CASES:,} are allowed"
         )
-    cases = {case.id: case for case in _cases(study, study.model_names)}
+    cases = {case.folder: case for case in _cases(study, study.model_names)}
     if study.overrides:
         # Engines that are left out, because they are not installed, have these cases too.
         names = {case.name for case in _cases(study, tuple(ENGINES))}
@@ -106,8 +105,8 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[_Run]:
     for model, (variant, change) in product(pieces, variants.items()):
         reference = variant == REFERENCE
         assembly, nodes = change.assembly(study.assembly), change.nodes or study.nodes
-        before = study.assembly, study.nodes, VariantSection().material
-        same = (assembly, nodes, change.material) == before
+        before = study.assembly, study.nodes, None, None
+        same = (assembly, nodes, change.young, change.fracture_energy) == before
         if same and not reference and model.name not in ENGINES:
             continue
         for sample, section in study.samples.items():
@@ -159,7 +158,7 @@ def _near(name: str, names: set[str]) -> str:
     """The allowed names for a message: some of ``names``, preferably those close to ``name``."""
     sample = name.split("-", maxsplit=1)[0]
     among = sorted(n for n in names if len(names) < 5000 or n.startswith(f"{sample}-"))
-    close = difflib.get_close_matches(name[:200], among[:20_000]) or sorted(names)[:3]
+    close = difflib.get_close_matches(name, among) or sorted(names)[:3]
     return f"it must be a case of the study, such as {', '.join(close)}"
 
 
@@ -191,20 +190,20 @@ def find_case(study: Study, name: str, model: str | None = None) -> JointCase:
 
     Raises `ConfigError`.
     """
-    cases = cases_of(study)
+    cases = cases_of(study).values()
+    found = {case.model: case for case in cases if case.name == name}
     leading = detailed(study.model_names)
     there = [m for m in leading if m not in ENGINES or not ENGINES[m].missing()]
     among = there or leading
-    model = model or next((m for m in among if CaseId(m, name) in cases), among[0])
+    model = model or next((m for m in among if m in found), among[0])
     runs = [each for each in study.model_names if each not in CLOSED_FORM]
     if model not in runs:
         allowed = " or ".join((*runs, *CLOSED_FORM))
         raise CallError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
-    chosen = CaseId(model, name)
-    if chosen not in cases:
-        names = {case for case_model, case in cases if case_model == model}
+    if model not in found:
+        names = {case.name for case in cases if case.model == model}
         raise CallError(f"CASE: {shown(name)} is not a case of {model}; {_near(name, names)}")
-    return cases[chosen]
+    return found[model]
 
 
 def structure_cases(study: Study) -> Iterator[StructureCase]:

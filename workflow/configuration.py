@@ -13,26 +13,18 @@ from sidmacib.quantities import shown
 from sidmacib.reading import faults, shown_key
 from sidmacib.yaml_text import TextError, read_yaml
 from workflow.consistency import inconsistencies, requirements
-from workflow.schema import Study
-
-MAX_LINES, MAX_LINE = 20, 380
+from workflow.schema import Study, with_changes
 
 
 class ConfigError(ValueError):
     """The configuration is not valid; the arguments are lines of text, one for each fault."""
 
-    def __init__(self, *lines: str) -> None:
-        super().__init__(
-            *(line if len(line) < MAX_LINE else f"{line[:MAX_LINE]}..." for line in lines)
-        )
-
     def __str__(self) -> str:
-        return "\n".join(map(str, self.args))
+        return "\n".join(self.args)
 
     def of(self, path: Path) -> "ConfigError":
         """The same, each line beginning with the file's name."""
-        name = f"{_named(path)}: "
-        return ConfigError(*(f"{name}{str(line).removeprefix(name)}" for line in self.args))
+        return ConfigError(*(f"{path}: {line.removeprefix(f'{path}: ')}" for line in self.args))
 
 
 class CallError(ConfigError):
@@ -60,13 +52,12 @@ def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]
     try:
         config = read_yaml(path)
     except TextError as error:
-        raise ConfigError(f"{_named(path)}: {error}") from None
+        raise ConfigError(f"{path}: {error}") from None
     if not isinstance(config, dict | None):
         raise ConfigError(
-            f"{_named(path)}: {shown(config)} is not a study; it must be a mapping of keys to "
-            "values"
+            f"{path}: {shown(config)} is not a study; it must be a mapping of keys to values"
         )
-    return _with_descriptions(_merged(config or {}, changes), path)
+    return _with_descriptions(with_changes(config or {}, changes), path)
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
@@ -79,10 +70,9 @@ def read_study(config: Mapping[str, Any]) -> Study:
     except ValidationError as error:
         lines = [line if ": " in line else f"study: {line}" for line in faults(error)]
     else:
-        lines = [*inconsistencies(study), *_unfit_folder(Path(study.results))]
+        lines = [*inconsistencies(study)]
     if lines:
-        more = f"and {len(lines) - MAX_LINES} more faults"
-        raise ConfigError(*lines[:MAX_LINES], *[more] * (len(lines) > MAX_LINES))
+        raise ConfigError(*lines)
     return study
 
 
@@ -95,15 +85,6 @@ def with_installed_engines(study: Study) -> Study:
     return study.model_copy(update={"dem": study.dem.model_copy(update={"engines": engines})})
 
 
-def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    nested = {
-        key: _merged(config[key], value)
-        for key, value in changes.items()
-        if isinstance(value, Mapping) and isinstance(config.get(key), Mapping)
-    }
-    return {**config, **changes, **nested}
-
-
 def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
     """``config`` with the descriptions from the files of its structures, relative to ``path``."""
     structures = config.get("structures")
@@ -111,22 +92,18 @@ def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
         return config
     from sidmacib.structure.files.structure_file import with_bodies  # noqa: PLC0415 (polygons take long to import)
 
-    read = {}
+    read = {**structures}
     for name, section in structures.items():
-        read[name] = section
         if isinstance(section, Mapping) and isinstance(file := section.get("file"), str):
-            key = f"structures.{shown_key(name)}"
+            key = f"{path}: structures.{shown_key(name)}"
             if "description" in section:
-                raise ConfigError(
-                    f"{_named(path)}: {key}: file and description are both given; give only "
-                    "one of them"
-                )
+                raise ConfigError(f"{key}: file and description are both given; give only one")
             beside = path.parent / file
             try:
                 description = with_bodies(read_yaml(beside), beside.parent)
-                read[name] = {**section, "description": description}
             except ValueError as error:
-                raise ConfigError(f"{_named(path)}: {key}.file: {file}: {error}") from None
+                raise ConfigError(f"{key}.file: {file}: {error}") from None
+            read[name] = {**section, "description": description}
     return {**config, "structures": read}
 
 
@@ -163,22 +140,3 @@ def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
         dem = study.dem.model_copy(update={"engines": able(study.dem.engines)})
         study = study.model_copy(update={"dem": dem})
     return study
-
-
-def _unfit_folder(folder: Path) -> list[str]:
-    """Why results cannot be written to ``folder``, as far as can be seen beforehand."""
-    for path in (folder, *folder.parents):
-        try:
-            if path.is_dir():
-                return []
-            if path.exists():
-                return [f"results: {shown(str(path))} is a file; it must be a folder"]
-        except OSError as error:
-            return [f"results: {shown(str(path))}: {error.strerror}"]
-    return []
-
-
-def _named(path: Path) -> str:
-    """The file's name in a message."""
-    text = str(path)
-    return text if len(text) <= 100 and text.isprintable() else shown(text)

@@ -15,9 +15,9 @@ from sidmacib.model import Ability, Requirement
 from sidmacib.models import LAWS, MODELS, RESISTANCES, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
-from workflow.case import REFERENCE, structure_case_name
-from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases
-from workflow.schema.sections import NAME_LENGTH, AssemblySection, NumericsSection, Pieces, changed
+from workflow.case import REFERENCE
+from workflow.schema import CASES, LOAD, StructureSection, Study
+from workflow.schema.sections import AssemblySection, NumericsSection, Pieces, changed
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
@@ -30,8 +30,6 @@ ABLE = tuple(  # models of structures: those of rigid pieces
     if Ability.RIGID in model.abilities and (name in ENGINES or name in SOLVED)
 )
 MAX_NODES = 1_000_000  # of one case: a few GB in any model
-MAX_GEOMETRIES = 100_000  # of the calibration
-MAX_CELLS_ALONG = 1000  # a lock, in the calibration
 
 
 def inconsistencies(study: Study) -> Iterator[str]:
@@ -43,32 +41,26 @@ def inconsistencies(study: Study) -> Iterator[str]:
         except ValueError as error:
             yield f"samples.{name}: {_in_a_line(error)}"
     yield from _joints(study, joints)
-    yield from _lists(study)
     layouts = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
     densest = max(layouts, key=lambda layout: len(CELL_RULES[layout][0]))
-    for key, meshes in _everywhere(study, "meshes"):
+    every = {f"variants.{name}.meshes": v.meshes for name, v in study.variants.items() if v.meshes}
+    for key, meshes in {"meshes": study.meshes, **every}.items():
         yield from _meshes(key, meshes, densest, joints)
     yield from _models(study)
     for name, sample in study.samples.items():
         yield from _models_of_sample(study, name, sample.models)
         yield from _parts(study, name)
-    yield from _calibration(study)
     if study.figures.mesh is not None:
         yield from _among("figures.mesh", (study.figures.mesh,), "meshes", study.meshes)
-    yield from _measured(study)
+    for number, load in enumerate(study.measured.loads if study.measured else (), start=1):
+        key, ratios = f"measured.loads.{number}", study.eccentricities
+        yield from _among(f"{key}.sample", (load.sample,), "samples", [*study.samples])
+        yield from _among(f"{key}.eccentricity", (load.eccentricity,), "eccentricities", ratios)
     yield from structure_faults(study)
     if study.campaign is not None and not study.samplings:
         yield f"campaign: {study.campaign} needs samplings"
     if REFERENCE in study.variants:
         yield f"variants: the name {REFERENCE} is reserved; choose another name"
-
-
-def _measured(study: Study) -> Iterator[str]:
-    """Measured loads that match no case of the study."""
-    for number, load in enumerate(study.measured.loads if study.measured else (), start=1):
-        key, ratios = f"measured.loads.{number}", study.eccentricities
-        yield from _among(f"{key}.sample", (load.sample,), "samples", [*study.samples])
-        yield from _among(f"{key}.eccentricity", (load.eccentricity,), "eccentricities", ratios)
 
 
 def _among(
@@ -175,12 +167,6 @@ def _fading(study: Study) -> Iterator[str]:
 
 def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
     for name, joint in joints.items():
-        for strength in dict.fromkeys(joint.strengths):
-            if not 0.0 < strength < math.inf:
-                yield (
-                    f"samples.{name}: a lock's strength of {strength:g} N, cohesion * a * b, is "
-                    "not allowed; it must be greater than 0 and finite"
-                )
         for rule in study.sidmacib.reductions if joint.interlocking else ():
             try:
                 REDUCTIONS[rule](joint, (1.0,) * joint.locks)
@@ -190,21 +176,6 @@ def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
                     f"samples.{name}.{value} is not allowed while sidmacib.reductions has {rule} "
                     f"({error})"
                 )
-
-
-def _lists(study: Study) -> Iterator[str]:
-    """Values that look the same in the names of cases."""
-    for key in ("meshes", "eccentricities"):
-        for place, values in _everywhere(study, key):
-            seen: dict[str, float] = {}
-            for value in values:
-                if (other := seen.get(f"{value:g}")) is not None:
-                    yield (
-                        f"{place}: {other!r} and {value!r} are the same in the names of cases; "
-                        "they must differ in the first six digits"
-                    )
-                    break
-                seen[f"{value:g}"] = value
 
 
 def _meshes(
@@ -289,31 +260,6 @@ def _parts(study: Study, sample: str) -> Iterator[str]:
         )
 
 
-def _calibration(study: Study) -> Iterator[str]:
-    grid = study.calibration
-    axes = (grid.a, grid.height_share, grid.height_over_b, grid.friction)
-    count = math.prod(map(len, axes))
-    if count > MAX_GEOMETRIES:
-        yield (
-            f"calibration: {count:,} joints (a x height_share x height_over_b x "
-            f"friction) are too many; at most {MAX_GEOMETRIES:,} are allowed"
-        )
-    least = max(grid.a) / MAX_CELLS_ALONG
-    if min(grid.meshes) < least:
-        yield (
-            f"calibration.meshes: {min(grid.meshes)} m is too fine for locks of {max(grid.a)} m; "
-            f"it must be at least {least:g} m"
-        )
-
-
-def _everywhere(study: Study, key: str) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Each place where meshes or eccentricities are given, and their values."""
-    yield key, getattr(study, key)
-    for name, variant in study.variants.items():
-        if values := getattr(variant, key):
-            yield f"variants.{name}.{key}", values
-
-
 def _some(values: Iterable[object]) -> str:
     """The first of ``values`` in words."""
     words = ["torsion" if value == math.inf else str(value) for value in values]
@@ -366,12 +312,6 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
         try:
             if CASES in whole and not section.loads:
                 structure_file.demands_of(whole)
-                names = [structure_case_name("", name) for name in load_cases(whole)]
-                if len({*names}) < len(names) or max(map(len, names)) > NAME_LENGTH:
-                    yield (
-                        f"{key}.{place}.{CASES}: names must differ in letters, digits, _ and .; at "
-                        f"most {NAME_LENGTH} letters"
-                    )
                 continue
             own = {k: v for k, v in whole.items() if k not in (LOAD, CASES)}
             assembly = structure_file.assembly_of(own)

@@ -7,7 +7,7 @@ much the next time.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from sidmacib.engines import ENGINES
 from sidmacib.models import REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.case import (
     Case,
-    CaseId,
     JointCase,
     JointSubject,
     StructureCase,
@@ -53,8 +52,8 @@ class CaseJobs:
     solve, by name.
     """
 
-    joints: Mapping[CaseId, JointCase]
-    structures: Mapping[CaseId, StructureCase]
+    joints: Mapping[str, JointCase]
+    structures: Mapping[str, StructureCase]
     engines: Mapping[str, Case[Any]]
     batches: Mapping[str, tuple[Case[Any], ...]]
     returned: Mapping[str, JointCase]
@@ -66,12 +65,12 @@ def case_jobs(study: Study) -> CaseJobs:
     joints = cases_of(study)
     of_decks = decks(study, joints.values())
     joints |= {
-        case.id: case
+        case.folder: case
         for name, case in of_decks.items()
         if Path(study.results, deck_folder(name), PRINTED).is_file()
     }
     of_structures = sorted(structure_cases(study), key=lambda case: case.model in SOLVED)
-    structures = {case.id: case for case in of_structures}
+    structures = {case.folder: case for case in of_structures}
     every = [*joints.values(), *reference_cases(joints.values())]
     both: list[Case[Any]] = [*every, *of_structures]
     solved: dict[str, tuple[Case[Any], ...]] = {
@@ -93,12 +92,11 @@ def case_jobs(study: Study) -> CaseJobs:
     )
 
 
-def reference_cases(cases: Iterable[JointCase]) -> list[JointCase]:
+def reference_cases(cases: Collection[JointCase]) -> list[JointCase]:
     """Cases of the static model that the study lacks, to compare every engine's case with.
 
     They are on the same nodes; where an engine has one mesh only, a second one is added.
     """
-    cases = list(cases)
     series: dict[str, dict[float, JointCase]] = {}
     for case in cases:
         if case.model in ENGINES:
@@ -112,8 +110,6 @@ def reference_cases(cases: Iterable[JointCase]) -> list[JointCase]:
             ratio = subject.direction.eccentricity
             name = case_name(subject.sample, other, ratio, case.variant)
             by_mesh[other] = replace(case, name=name, subject=replace(subject, mesh=other))
-    if not series:
-        return []
     known = {case.physics() for case in cases if case.model == REFERENCE_MODEL}
     every = {case.physics(): case for by_mesh in series.values() for case in by_mesh.values()}
     return [case for physics, case in every.items() if physics not in known]
@@ -130,16 +126,10 @@ def batches(cases: list[JointCase]) -> dict[str, list[JointCase]]:
         bits += 1
     found: dict[str, list[JointCase]] = {}
     for case in cases:
-        found.setdefault(_batch_name(case.digest(), bits), []).append(case)
+        number = int(case.digest(), 16) >> (256 - bits)
+        name = f"batch-{number:0{math.ceil(bits / 4)}x}" if bits else "batch"
+        found.setdefault(name, []).append(case)
     return dict(sorted(found.items()))
-
-
-def _batch_name(digest: str, bits: int) -> str:
-    """A name made from the first ``bits`` of a hexadecimal ``digest``."""
-    if bits == 0:
-        return "batch"
-    number = int(digest, 16) >> (4 * len(digest) - bits)
-    return f"batch-{number:0{math.ceil(bits / 4)}x}"
 
 
 @dataclass(frozen=True)
@@ -167,9 +157,9 @@ def engine_resources(case: Case[Any], time_limit: float) -> Resources:
     """Resources of one case in an engine, which is ended at ``time_limit`` (s)."""
     if not isinstance(case.subject, JointSubject):
         return Resources(OF_STRUCTURE_MB, min(OF_STRUCTURE, time_limit))
+    assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     nodes = nodes_of(case.subject)
-    ramps = case.numerics.ramp_periods / 40.0 if case.numerics else 1.0
-    time = ENGINE_NODE * nodes * max(ramps, 1.0)
+    time = ENGINE_NODE * nodes * max(case.numerics.ramp_periods / 40.0, 1.0)
     return Resources(math.ceil(LEAST_MB + ENGINE_NODE_MB * nodes), min(time, time_limit))
 
 

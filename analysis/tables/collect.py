@@ -12,7 +12,7 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from sidmacib.problem import UNKNOWN, MeshErrors
-from workflow.case import REFERENCE, CaseId
+from workflow.case import REFERENCE
 from workflow.results import read_records
 from workflow.results.joint_part import JointRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
@@ -54,7 +54,7 @@ def cases_table(records: Sequence[JointRecord], all_records: Sequence[JointRecor
         row["static_load_N"] = compared
         row["difference_to_static"] = load / compared - 1.0 if compared and load else None
         row["error"] = record.error or record.refused
-        errors = mesh_errors.get(record.id, UNKNOWN)
+        errors = mesh_errors.get(record.folder, UNKNOWN)
         row |= {"mesh_error": errors.peak, "first_failure_mesh_error": errors.first}
         rows.append(row)
     return CASES.frame(rows)
@@ -105,7 +105,7 @@ def models_table(
             for share, value in zip(SHARES, moved, strict=True)
         } | {f"weight_lock{each.lock}": each.weight for each in record.part.weights}
         more |= own
-        errors = mesh_errors.get(record.id, UNKNOWN)
+        errors = mesh_errors.get(record.folder, UNKNOWN)
         found = {"mesh_error": errors.peak, "friction_share": friction_share(record)}
         rows.append({**record.columns(), **found, "given_load_N": load, **own})
     table = pd.DataFrame(rows, columns=[*MODELS.columns, "case", *more])
@@ -118,7 +118,7 @@ def models_table(
 def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables, in the order of the study's cases."""
     every = read_records(inputs["records"])
-    found = {record.id: record for record in every}
+    found = {record.folder: record for record in every}
     records = [found[case] for case in arguments["cases"]]
     weights = weights_table(records)
     write_table(WEIGHTS, weights, outputs["weights"])
@@ -127,8 +127,8 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     write_table(MODELS, models_table(records, every), outputs["models"])
 
 
-def errors_of(records: Iterable[JointRecord]) -> dict[CaseId, MeshErrors]:
-    """Mesh errors of results by the identity of the case; results without an error are left out.
+def errors_of(records: Iterable[JointRecord]) -> dict[str, MeshErrors]:
+    """Mesh errors of results by the folder of the case; results without an error are left out.
 
     A model with one mesh takes the errors of the same joint, nodes and load from a model that is
     solved in this process: from the static model where possible.
@@ -145,7 +145,7 @@ def errors_of(records: Iterable[JointRecord]) -> dict[CaseId, MeshErrors]:
                 for mesh, each in errors.items():
                     lendable.setdefault((joint, mesh), each)
     by_case = {
-        r.id: by_series[r.model, r.variant, r.part.series].get(
+        r.folder: by_series[r.model, r.variant, r.part.series].get(
             r.part.mesh_m, lendable.get((r.part.series, r.part.mesh_m))
         )
         for r in records

@@ -19,7 +19,7 @@ from sidmacib.structure.analysis.forces import most_used
 from sidmacib.structure.analysis.supports import support_answers
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.loads import SupportMotion
-from workflow.case import CaseId, StructureSubject
+from workflow.case import StructureSubject
 from workflow.results import read_records, rounded_or_none
 from workflow.results.structure_part import StructureRecord
 from workflow.results.tables import (
@@ -136,12 +136,12 @@ def _answer(record: StructureRecord | None, model: str) -> KeptAnswer | Capacity
 
 def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
     """One row for each load that is to be carried, by the static model and limit analysis."""
-    known = {each.id: each for each in records}
+    known = {each.folder: each for each in records}
     cases = {each.name: each for each in records if each.part.required_N is not None}
     groups: dict[tuple[str, str], list[tuple[StructureRecord, Verdict]]] = {}
     for each in cases.values():
         static, limit = (
-            _answer(known.get(CaseId(model, each.name)), model)
+            _answer(known.get(f"{each.kind}/{model}/{each.name}"), model)
             for model in (REFERENCE_MODEL, "limit")
         )
         found = verdict(each.part.required_N or 0.0, static, limit)
@@ -189,7 +189,7 @@ def _identity(record: StructureRecord) -> dict[str, Any]:
 
 def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables, in the order of the study's cases."""
-    found = {record.id: record for record in read_records(inputs["records"])}
+    found = {record.folder: record for record in read_records(inputs["records"])}
     records = [found[case] for case in arguments["cases"]]
     write_table(STRUCTURES, structures_table(records), outputs["structures"])
     if "verdicts" in outputs:

@@ -98,7 +98,7 @@ def _walls(count: int) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def _across(count: int, side: str, reach: float, along: float) -> tuple[float, float]:
-    """x and y (m) of a point that is ``reach`` outside a side, and ``along`` it."""
+    """A point (x and y, m) ``reach`` outside a side, and ``along`` it."""
     axis, outwards = SIDES[side]
     across = (count * SIDE if outwards > 0 else 0.0) + outwards * reach
     return (along, across) if axis else (across, along)

@@ -17,7 +17,7 @@ from sidmacib.errors import ResultError
 from sidmacib.problem import Outcome, Problem, checked_share
 from sidmacib.quantities import rounded
 from sidmacib.validation import dataclass_from
-from workflow.case import SUBJECTS, Case, CaseId, JointSubject
+from workflow.case import SUBJECTS, Case, JointSubject
 
 CASE, RECORD = "case.json", "record.json"
 BROKE_DOWN = "broke-down"  # mark beside a record: the engine did, and may not do so again
@@ -66,13 +66,8 @@ class Record(Generic[Part]):
     raised: str | None = None
 
     @property
-    def id(self) -> CaseId:
-        """The identity of the case among those of its kind."""
-        return CaseId(self.model, self.name)
-
-    @property
     def folder(self) -> str:
-        """The folder of the case's files, below the results folder."""
+        """The folder of the case's files, below the results folder: the identity of the case."""
         return f"{self.kind}/{self.model}/{self.name}"
 
     def columns(self) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from sidmacib.models import MODELS
 from workflow.case import JointSubject, StructureSubject
 from workflow.jobs import engine_resources, solved_resources
 from workflow.results import BATCH_RECORDS, RECORD
-from workflow.threedec import DECK, deck_folder
+from workflow.threedec import DECK, PRINTED, deck_folder
 
 
 def engine_case(wildcards):
@@ -107,23 +107,22 @@ rule solve:
 
 rule returned:
     input:
-        printed=below("decks/{program}/{case}/results.txt"),
+        printed=lambda wildcards: below(
+            f"{deck_folder(JOBS.returned[wildcards.job].name)}/{PRINTED}"
+        ),
     output:
-        record=below("cases/{program}/{case}/record.json"),
+        record=below("{job}/record.json"),
     log:
-        below("logs/cases/{program}/{case}.log"),
+        below("logs/{job}.log"),
     wildcard_constraints:
-        program=one_of(case.model for case in JOBS.returned.values()),
-        case=one_of(case.name for case in JOBS.returned.values()),
+        job=one_of(JOBS.returned),
     group:
         "cases"
     params:
-        case=lambda wildcards: JOBS.returned[
-            f"cases/{wildcards.program}/{wildcards.case}"
-        ].to_json(),
+        case=lambda wildcards: JOBS.returned[wildcards.job].to_json(),
         code=code("workflow.threedec", JointSubject.modules),
     message:
-        "{wildcards.program}: {wildcards.case}"
+        "{wildcards.job}"
     script:
         "../threedec.py"
 
@@ -154,7 +153,7 @@ def records_of(kind):
 if STUDY.samples:
 
     BATCH_OF = {
-        case.id: case
+        case.folder: case
         for cases in JOBS.batches.values()
         for case in cases
         if case.subject.kind == JointSubject.kind
@@ -178,18 +177,17 @@ if STUDY.samples:
     # A separate folder for a case that was solved in a batch.
     rule case_files:
         input:
-            records=lambda wildcards: RECORDS[f"cases/{wildcards.model}/{wildcards.case}"],
+            records=lambda wildcards: RECORDS[wildcards.job],
         output:
-            result=below("cases/{model}/{case}/result.json"),
+            result=below("{job}/result.json"),
         log:
-            below("logs/cases/{model}/{case}.files.log"),
+            below("logs/{job}.files.log"),
         wildcard_constraints:
-            model=one_of(model for model, _ in BATCH_OF),
-            case=one_of(case for _, case in BATCH_OF),
+            job=one_of(BATCH_OF),
         params:
-            case=lambda wildcards: BATCH_OF[wildcards.model, wildcards.case].to_json(),
+            case=lambda wildcards: BATCH_OF[wildcards.job].to_json(),
             code=code("workflow.solve", JointSubject.modules),
         message:
-            "{wildcards.model}: files of {wildcards.case}"
+            "Files of {wildcards.job}"
         script:
             "../solve.py"

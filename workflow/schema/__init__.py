@@ -13,8 +13,8 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from sidmacib.contact_points import OPTIONS, READY_OPTIONS, REDUCTIONS, ContactOption
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
-from sidmacib.quantities import FORMULA, Friction, Length, Number, Part, Share, one_of, shown
-from sidmacib.reading import Section, Some, Text
+from sidmacib.quantities import Friction, Length, Number, Part, Share, one_of, shown
+from sidmacib.reading import Label, Section, Some, Text
 from workflow.case import REFERENCE
 from workflow.schema.sections import (
     AssemblySection,
@@ -38,7 +38,9 @@ from workflow.schema.sections import (
 STUDIES = Path(__file__).parents[2] / "studies"
 
 Campaign = Annotated[str, one_of(sorted(path.parent.name for path in STUDIES.glob("*/rules.smk")))]
-LONGEST = 500  # letters of a source
+HEIGHT_SHARES = (0.2, 0.21, 0.22, 0.23, 0.24, 0.25, 0.26)  # of the calibration
+HEIGHTS_OVER_B = (0.3, 0.5, 0.7, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4)
+FRICTIONS = (0.0, 0.005236, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.4)
 LOAD, CASES, PERMANENT = "load", "load_cases", "permanent"  # keys of a description
 FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a reference there
 # What the tables of all models depend on; the engines' numerics are not part of it. With further
@@ -49,29 +51,11 @@ _TABLES = (
 )
 
 
-def words(value: Any) -> str:
-    """Text in one line."""
-    text = " ".join(value.split()) if isinstance(value, str) else ""
-    if not text or len(text) > LONGEST or not text.isprintable():
-        raise ValueError(
-            f"{shown(value)} is not allowed; it must be text of at most {LONGEST} letters"
-        )
-    return text
+def _in_a_line(value: Any) -> Any:
+    return " ".join(value.split()) if isinstance(value, str) else value
 
 
-def cell(value: Any) -> str:
-    """Text in one line that no spreadsheet takes for a formula."""
-    text = words(value)
-    if text.startswith(FORMULA):
-        raise ValueError(
-            f"{shown(value)} is not allowed; it must not begin with {' '.join(FORMULA)}, as a "
-            "spreadsheet would take it for a formula"
-        )
-    return text
-
-
-Words = Annotated[str, BeforeValidator(words)]
-_Cell = Annotated[str, BeforeValidator(cell)]
+Words = Annotated[Label, BeforeValidator(_in_a_line)]
 _Force = Annotated[float, Number(above=0, unit="N")]
 _Torque = Annotated[float, Number(above=0, unit="N m")]
 
@@ -108,25 +92,17 @@ _READY = {
 
 def _with_ready(value: Any) -> Any:
     """Options with those given only by name replaced by their definitions."""
-    if isinstance(value, list | tuple):
-        if twice := [name for number, name in enumerate(value) if name in value[:number]]:
-            raise ValueError(f"{shown(twice[0])} appears twice; each name must appear only once")
-        value = dict.fromkeys(map(_ready_name, value))
-    if not isinstance(value, Mapping):
+    named = isinstance(value, list | tuple) and all(isinstance(name, str) for name in value)
+    options = dict.fromkeys(value) if named else value
+    if not isinstance(options, Mapping):
         return value
-    return {
-        name: _READY[_ready_name(name)] if option is None else option
-        for name, option in value.items()
-    }
-
-
-def _ready_name(name: Any) -> str:
-    if not isinstance(name, str) or name not in _READY:
-        raise ValueError(
-            f"{shown(name)} needs positions and portions; without them it must be one of "
-            f"{', '.join(_READY)}"
-        )
-    return name
+    for name, option in options.items():
+        if option is None and name not in _READY:
+            raise ValueError(
+                f"{shown(name)} needs positions and portions; without them it must be one of "
+                f"{', '.join(_READY)}"
+            )
+    return {name: _READY[name] if option is None else option for name, option in options.items()}
 
 
 class SidmacibSection(Section):
@@ -150,7 +126,7 @@ class MeasuredLoad(Section):
     eccentricity: Eccentricity
     shear: _Force | None = None
     torque: _Torque | None = None
-    specimen: _Cell | None = None
+    specimen: Words | None = None
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
@@ -220,9 +196,8 @@ class StructureSection(Section):
 
     def wholes(self) -> Iterator[tuple[str, dict[str, Any]]]:
         """Each variant, and its description, with its load or load cases."""
-        assert self.description is not None, "a file is read with the configuration"
         for variant, changes in {REFERENCE: {}, **self.variants}.items():
-            yield variant, with_changes(self.description, changes)
+            yield variant, with_changes(self.description or {}, changes)
 
 
 def load_cases(description: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
@@ -251,18 +226,10 @@ class CalibrationSection(Section):
     """A grid of geometries and frictions, meshes (m), and how many of the best the engines run."""
 
     a: Lengths = (0.03, 0.06, 0.1)
-    height_share: Annotated[tuple[Share, ...], Some] = (
-        *(0.2, 0.21, 0.22, 0.23),
-        *(0.24, 0.25, 0.26),
-    )  # h / (h + H)
-    height_over_b: Annotated[tuple[Positive, ...], Some] = (
-        *(0.3, 0.5, 0.7, 0.9, 1.0),
-        *(1.1, 1.2, 1.3, 1.4),
-    )  # (h + H) / b
-    friction: Annotated[tuple[Friction, ...], Some] = (
-        *(0.0, 0.005236, 0.01, 0.02, 0.03),
-        *(0.05, 0.1, 0.2, 0.3, 0.4),
-    )  # of dry faces
+    # h / (h + H), (h + H) / b, and of dry faces
+    height_share: Annotated[tuple[Share, ...], Some] = HEIGHT_SHARES
+    height_over_b: Annotated[tuple[Positive, ...], Some] = HEIGHTS_OVER_B
+    friction: Annotated[tuple[Friction, ...], Some] = FRICTIONS
     meshes: Lengths = (0.02, 0.005)
     confirmed: Annotated[int, Number(at_least=1, at_most=20, whole=True)] = 3
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, PlainSerializer
+from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer
 
 from sidmacib.engines import Numerics
 from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
@@ -34,7 +34,8 @@ from sidmacib.reading import Section, Some, changes_to, section_of
 from sidmacib.validation import kinds_of
 
 NAME_LENGTH = 64  # a folder's name, at most 255 letters, is made of two names and more
-PATH_LENGTH, PART_LENGTH = 1000, 200
+NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9_.]{{0,{NAME_LENGTH - 1}}}")
+FOLDER = re.compile(r"(?![- ])[\w/. ,+=@%-]*(?<! )")
 
 Positive = Annotated[float, Number(above=0)]
 NotNegative = Annotated[float, Number(at_least=0)]
@@ -61,14 +62,10 @@ Eccentricity = Annotated[
 
 def name(value: Any) -> str:
     """A name, which becomes part of the names of files and columns."""
-    if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.]*", value):
+    if not isinstance(value, str) or not NAME.fullmatch(value):
         raise ValueError(
             f"{shown(value)} is not allowed as a name; it must be made of letters, digits, _ and "
-            "., and begin with a letter or digit"
-        )
-    if len(value) > NAME_LENGTH:
-        raise ValueError(
-            f"{shown(value)} is too long; a name must have at most {NAME_LENGTH} letters"
+            f"., begin with a letter or digit, and have at most {NAME_LENGTH} letters"
         )
     return value
 
@@ -82,34 +79,32 @@ Name = Annotated[
 
 def folder(value: Any) -> str:
     """A folder's name in its shortest form; numbers are names too."""
-    text = str(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
-    if not isinstance(text, str) or not text.strip():
-        raise ValueError(f"{shown(value)} is not allowed; it must be the name of a folder")
-    path = os.path.normpath(text)
-    if not re.fullmatch(r"[\w/. ,+=@%-]+", path) or path[0] in "- " or path[-1] == " ":
+    text = str(value) if type(value) in (int, float) else value
+    path = os.path.normpath(text) if isinstance(text, str) else ""
+    if not FOLDER.fullmatch(path) or path.split("/")[-1] in ("", ".", ".."):
         raise ValueError(
             f"{shown(text)} is not allowed; a folder's name must be made of letters, digits, "
-            "spaces and _ . , + - = @ %, and not begin with - or a space or end with one"
-        )
-    parts = path.split("/")
-    if parts[-1] in ("", ".", ".."):
-        raise ValueError(f"{shown(text)} is not allowed; it must name a folder, not /, . or ..")
-    if max(len(p.encode()) for p in parts) > PART_LENGTH or len(path.encode()) > PATH_LENGTH:
-        raise ValueError(
-            f"{shown(text)} is too long; each part must have at most {PART_LENGTH} bytes, "
-            f"the whole at most {PATH_LENGTH}"
+            "spaces and _ . , + - = @ %, not begin with - or a space or end with one, and not be "
+            "/, . or .."
         )
     return path
 
 
 Folder = Annotated[str, BeforeValidator(folder), Field(description="the name of a folder")]
-Lengths = Annotated[tuple[Length, ...], Some]
-Eccentricities = Annotated[tuple[Eccentricity, ...], Some]
-
-_KEYS: Any = section_of(Numerics)
 
 
-class NumericsSection(_KEYS):
+def apart(values: tuple[float, ...]) -> tuple[float, ...]:
+    """``values`` that differ in the names of cases."""
+    if len({f"{value:g}" for value in values}) < len(values):
+        raise ValueError("some are the same in the names of cases; they must differ in six digits")
+    return values
+
+
+Lengths = Annotated[tuple[Length, ...], Some, AfterValidator(apart)]
+Eccentricities = Annotated[tuple[Eccentricity, ...], Some, AfterValidator(apart)]
+
+
+class NumericsSection(section_of(Numerics)):  # type: ignore[misc]
     """The keys of `Numerics`."""
 
     def numerics(self) -> Numerics:
@@ -117,10 +112,7 @@ class NumericsSection(_KEYS):
         return Numerics(**self.model_dump())
 
 
-_CHANGES: Any = changes_to(NumericsSection)
-
-
-class NumericsChanges(_CHANGES):
+class NumericsChanges(changes_to(NumericsSection)):  # type: ignore[misc]
     """Changes to the numerics; None means no change."""
 
 
@@ -132,8 +124,15 @@ _Cohesion = Annotated[float, Number(above=0, unit="Pa")]
 _NoStrength = Annotated[float, Number(at_least=0, at_most=0, unit="Pa")]
 _Locks = Annotated[int, Number(at_least=1, at_most=MOST_LOCKS, whole=True)]
 
-_SIZES: Any = section_of(Joint, *SIZES)
-_INNER: Any = section_of(INNER, cohesion=_Cohesion)
+
+class GeometrySection(section_of(Joint, *SIZES)):  # type: ignore[misc]
+    """Length, width and height of a lock, and height of the upper main body, in m."""
+
+
+class InnerFaceSection(section_of(INNER, cohesion=_Cohesion)):  # type: ignore[misc]
+    """Cohesive faces inside a block, see `sidmacib.mechanics.assembly.FaceMaterial`."""
+
+
 _DRY: Any = section_of(
     DRY,
     *(name for name in kinds_of(FaceMaterial) if name not in OF_BONDS),
@@ -142,28 +141,15 @@ _DRY: Any = section_of(
 )
 
 
-class GeometrySection(_SIZES):
-    """Length, width and height of a lock, and height of the upper main body, in m."""
-
-
-class InnerFaceSection(_INNER):
-    """Cohesive faces inside a block, see `sidmacib.mechanics.assembly.FaceMaterial`."""
-
-
 class DryFaceSection(_DRY):
     """Frictional faces between the blocks; they have no strength."""
 
 
-_OWN_SIZES: Any = changes_to(GeometrySection)
-_INNER_CHANGES: Any = changes_to(InnerFaceSection)
-_DRY_CHANGES: Any = changes_to(DryFaceSection)
-
-
-class InnerChanges(_INNER_CHANGES):
+class InnerChanges(changes_to(InnerFaceSection)):  # type: ignore[misc]
     """Changes to inner faces; None means no change."""
 
 
-class DryChanges(_DRY_CHANGES):
+class DryChanges(changes_to(DryFaceSection)):  # type: ignore[misc]
     """Changes to dry faces; None means no change."""
 
 
@@ -185,11 +171,6 @@ class MaterialsSection(Section):
     def inner_face(self) -> FaceMaterial:
         """The inner faces as the models take them."""
         return FaceMaterial(**self.inner.model_dump())
-
-    @property
-    def dry_face(self) -> FaceMaterial:
-        """The dry faces as the models take them."""
-        return FaceMaterial(**self.dry.model_dump())
 
 
 class ReliabilitySection(Section):
@@ -230,7 +211,7 @@ class PartSection(Section):
     variants: tuple[Name, ...] | None = None
 
 
-class SampleSection(_OWN_SIZES):
+class SampleSection(changes_to(GeometrySection)):  # type: ignore[misc]
     """A joint of the study: sizes (m) and faces where they are not the study's.
 
     ``first``: the block that lock 1 belongs to. ``different``: locks that differ, by number.
@@ -256,7 +237,7 @@ class SampleSection(_OWN_SIZES):
             first=self.first,
             different={lock: changes.own_lock(inner) for lock, changes in self.different.items()},
             inner=inner,
-            dry=changed(materials.dry_face, self.dry),
+            dry=changed(FaceMaterial(**materials.dry.model_dump()), self.dry),
             density=materials.density,
             **others,
         )
@@ -280,10 +261,7 @@ class AssemblySection(Section):
     hold_down: HeldDown = HoldDown()
 
 
-_ASSEMBLY_CHANGES: Any = changes_to(AssemblySection)
-
-
-class VariantSection(_ASSEMBLY_CHANGES):
+class VariantSection(changes_to(AssemblySection)):  # type: ignore[misc]
     """Changes to the study, and the meshes and eccentricities at which it runs (None: all).
 
     ``young``: of the block (Pa). ``fracture_energy``: of the inner faces (J/m2).
@@ -295,11 +273,6 @@ class VariantSection(_ASSEMBLY_CHANGES):
     fracture_energy: FractureEnergy | None = None
     meshes: Lengths | None = None
     eccentricities: Eccentricities | None = None
-
-    @property
-    def material(self) -> tuple[float | None, float | None]:
-        """Its changes to the materials."""
-        return self.young, self.fracture_energy
 
     def assembly(self, study: AssemblySection) -> AssemblySection:
         """The assembly of this variant."""
