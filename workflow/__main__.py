@@ -1,8 +1,8 @@
 """The commands behind `make study`, `make report`, `make decks` and `make cases`."""
 
 import csv
-import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.command.output import FORMATS, text_of
-from sidmacib.errors import ResultError
 from sidmacib.models import REFERENCE_MODEL
 from workflow.case import Case
 from workflow.command import (
@@ -31,6 +30,7 @@ from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_rec
 from workflow.schema import Study
 
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
+NO_ERROR = re.compile('"error": null')  # in the line of a record
 RETRY = "RETRY"  # in the environment: try all cases without a result again
 
 
@@ -62,17 +62,10 @@ def forget_failures(results: Path, *, every: bool) -> None:
     records = [mark.with_name(RECORD) for mark in results.rglob(BROKE_DOWN)]
     if every:
         found = (*results.rglob(RECORD), *results.rglob(BATCH_RECORDS))
-        records += [path for path in found if _has_failed(path)]
+        # Of a case without an error, and a line that is not cut short.
+        records += [path for path in found if not all(map(NO_ERROR.search, path.open()))]
     for path in records:
         path.unlink(missing_ok=True)
-
-
-def _has_failed(records: Path) -> bool:
-    """Whether a case has no result, or the file was cut short."""
-    try:
-        return any(json.loads(line)["error"] for line in records.read_text().splitlines())
-    except ValueError:
-        return True
 
 
 def _first_report(config: Path, study: Study) -> None:
@@ -121,7 +114,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     for path, valid in _current(config, study.results).items():
         try:
             found |= {record.folder: (record, valid) for record in read_records([path])}
-        except (OSError, ResultError):
+        except (OSError, ValueError):
             continue
     jobs = case_jobs(study)
     cases: list[Case[Any]] = [*jobs.joints.values(), *jobs.structures.values()]

@@ -5,6 +5,7 @@ folder. docs/engines.md lists what the decks assume of 3DEC; they have never bee
 """
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -37,6 +38,7 @@ MODEL = "3dec"
 TEMPLATE, DECK, PRINTED = "3dec.dat.j2", "joint.dat", "results.txt"
 INCREMENT = 0.0025  # -, of the load, over the strength of the lower locks
 ROUNDS = 4000  # at most: ten times the strength of the lower locks
+TAGGED = re.compile(r"^\s*MULTILOCK\|(CASE|LOAD|NODE|END)\b\|?(.*?)\s*$", re.MULTILINE)
 RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to wait for it
 
 
@@ -153,47 +155,26 @@ def read_returned(text: str, case: JointCase) -> tuple[Problem, Outcome]:
         frozenset((assembly.cuboids[face.below].name, assembly.cuboids[face.above].name)): number
         for number, face in enumerate(assembly.faces)
     }
-    loads: list[float] = []
-    rows: list[tuple[int, list[float]]] = []
-    of, ended = "", False
-    for line, words in enumerate(text.splitlines(), start=1):
-        tag, _, content = words.strip().partition("|")
-        if tag != "MULTILOCK":
-            continue
-        kind, *values = content.split("|")
-        of = values[0] if kind == "CASE" and values else of
-        ended |= kind == "END"
-        if kind == "LOAD":
-            loads = _numbers(values, 2, line)
-        if kind == "NODE" and frozenset(values[:2]) in numbers:
-            found = _numbers(values[2:], 9, line)
-            if found[3] > 0.0:  # otherwise no part of the face belongs to it
-                rows.append((numbers[frozenset(values[:2])], found))
-    if not ended or len(loads) != 2 or not rows:
+    lines: dict[str, list[list[str]]] = {"CASE": [], "LOAD": [], "NODE": [], "END": []}
+    for kind, values in TAGGED.findall(text):
+        lines[kind].append(values.split("|"))
+    if not all(lines.values()):
         raise ResultError(f"{PRINTED}: incomplete; run the deck again")
-    if of != fingerprint(case):
+    if lines["CASE"][-1] != [fingerprint(case)]:
+        of = "|".join(lines["CASE"][-1])
         raise ResultError(
             f"{PRINTED}: results of {of}; they must be results of {fingerprint(case)}"
         )
-    on_its_nodes, outcome = _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))
-    return problem._replace(assembly=on_its_nodes), outcome
-
-
-def _numbers(values: list[str], count: int, line: int) -> list[float]:
+    nodes = [(numbers.get(frozenset(each[:2])), each[2:]) for each in lines["NODE"]]
     try:
-        found = [float(value) for value in values]
-    except ValueError:
-        found = []
-    if len(found) != count or not all(map(math.isfinite, found)):
-        raise ResultError(f"{PRINTED}, line {line}: must have {count} finite numbers")
-    return found
-
-
-def _outcome(
-    assembly: Assembly, loads: list[float], rows: list[tuple[int, list[float]]]
-) -> tuple[Assembly, Outcome]:
-    face = np.array([number for number, _ in rows])
-    values = np.array([found for _, found in rows])
+        load, failed = map(float, lines["LOAD"][-1])
+        rows = [(face, *map(float, values)) for face, values in nodes if face is not None]
+        table = np.array(rows).reshape(-1, 10)
+    except ValueError as error:
+        raise ResultError(f"{PRINTED}: not the numbers of loads and nodes: {error}") from None
+    table = table[table[:, 4] > 0.0]  # else no part of the face belongs to the node
+    table = table[np.argsort(table[:, 0], kind="stable")]
+    face, values = table[:, 0].astype(int), table[:, 1:]
     covered = np.bincount(face, weights=values[:, 3], minlength=len(assembly.faces))
     for covered_face, area in zip(assembly.faces, covered, strict=True):
         if not math.isclose(area, covered_face.area, rel_tol=0.01):
@@ -205,8 +186,8 @@ def _outcome(
     assembly = replace(assembly, nodes=Nodes(face, values[:, :3], values[:, 3]))
     stress = values[:, 4:8] / values[:, 3:4]
     force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
-    state = State(loads[0], None, force, np.ones(len(force), dtype=bool))
-    return assembly, Outcome((state,), loads[1], peak_load=state.load)
+    state = State(load, None, force, np.ones(len(force), dtype=bool))
+    return problem._replace(assembly=assembly), Outcome((state,), failed, peak_load=load)
 
 
 def write_decks(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:

@@ -13,7 +13,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from sidmacib.errors import ResultError
 from sidmacib.problem import Outcome, Problem, checked_share
 from sidmacib.quantities import rounded
 from sidmacib.validation import dataclass_from
@@ -23,8 +22,6 @@ CASE, RECORD = "case.json", "record.json"
 BROKE_DOWN = "broke-down"  # mark beside a record: the engine did, and may not do so again
 BENCHMARKS = "benchmarks"  # folder of Snakemake's measurements
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
-UNREADABLE = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
-
 
 Part = TypeVar("Part")
 
@@ -83,14 +80,11 @@ class Record(Generic[Part]):
 
     @classmethod
     def from_json(cls, text: str) -> "Record[Part]":
-        """The record that `to_json` wrote; `ResultError` if ``text`` is anything else."""
-        try:
-            data = json.loads(text)
-            data["part"] = dataclass_from(part_of(data["kind"]), data["part"])
-            data["path"] = tuple((load, moved) for load, moved in data["path"])
-            return cls(**data)
-        except UNREADABLE as error:
-            raise ResultError(f"not a case's record: {error}") from None
+        """The record that `to_json` wrote."""
+        data = json.loads(text)
+        data["part"] = dataclass_from(part_of(data["kind"]), data["part"])
+        data["path"] = tuple((load, moved) for load, moved in data["path"])
+        return cls(**data)
 
 
 def part_of(kind: str) -> Any:
@@ -139,15 +133,8 @@ def record_of(
 
 
 def read_records(paths: Sequence[Path]) -> list[Record[Any]]:
-    """All records in files that hold one per line; `ResultError` names the file and line."""
-    records: list[Record[Any]] = []
-    for path in paths:
-        for number, line in enumerate(path.read_text().splitlines(), start=1):
-            try:
-                records.append(Record.from_json(line))
-            except ResultError as error:
-                raise ResultError(f"{path}, line {number}: {error}") from None
-    return records
+    """All records in files that hold one per line."""
+    return [Record.from_json(line) for path in paths for line in path.read_text().splitlines()]
 
 
 def rounded_or_none(value: float | None) -> float | None:
