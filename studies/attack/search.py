@@ -115,6 +115,10 @@ def target_at(space: Space, place: Sequence[float]) -> Target:
     push = Push.PLUS_Y if next(turn) < 0.5 else Push.MINUS_Y
     first = Side.UPPER if next(turn) < 0.5 else Side.LOWER
     angle = math.pi * (next(turn) - 0.5)  # in the (V, M / a) plane, from torque to torque
+    hold_down = {
+        Hold.PRESSURE: HoldDown.pressure(pressure),
+        Hold.FORCE: HoldDown.force(pressure * a * locks * WIDTH),
+    }
     joint = Joint(
         locks,
         *(a, WIDTH, h, height),
@@ -123,7 +127,7 @@ def target_at(space: Space, place: Sequence[float]) -> Target:
         dry=FaceMaterial(dry, slip, friction, 0.0, 0.0),
         upper_body=body,
         first=first,
-        hold_down=_hold_down(space.hold, pressure, a * locks * WIDTH),
+        hold_down=hold_down.get(space.hold) or HoldDown(space.hold),
         elastic=Elastic(young, poisson) if space.elastic else None,
     )
     return Target(joint, Loading(Direction(math.tan(angle)), push=push))
@@ -131,12 +135,6 @@ def target_at(space: Space, place: Sequence[float]) -> Target:
 
 def _between(low: float, high: float, place: float) -> float:
     return float(low * (high / low) ** place)
-
-
-def _hold_down(hold: Hold, pressure: float, area: float) -> HoldDown:
-    if hold is Hold.PRESSURE:
-        return HoldDown.pressure(pressure)
-    return HoldDown.force(pressure * area) if hold is Hold.FORCE else HoldDown(hold)
 
 
 def safe_load(target: Target) -> float | None:
@@ -177,43 +175,23 @@ def ratio_of(target: Target) -> float | None:
     return promised / load if load > 0.0 else math.inf
 
 
-@dataclass
-class Attack:
-    """Objective of differential evolution in ``space`` from one start, and its results.
+def search(space: Space, seed: int, evaluations: int) -> dict[str, Any]:
+    """Differential evolution over ``space`` from one start: its share of the ``evaluations``.
 
-    ``answered``: joints with a ratio; ``unsolved``: joints that the safe rule answers and the
-    static model, on its finer nodes, does not; ``ratio``: the largest one of safe load to first
-    failure; ``place``: of its joint in the unit cube.
+    Returns the row of the table: ``answered``: joints with a ratio; ``unsolved``: joints that the
+    safe rule answers and the static model, on its finer nodes, does not; the largest ratio of safe
+    load to first failure, its joint, and the loads (N) of that on other nodes.
     """
+    tried: list[tuple[float | None, tuple[float, ...]]] = []
 
-    space: Space
-    seed: int
-    evaluations: int = 0
-    answered: int = 0
-    unsolved: int = 0
-    ratio: float = 0.0
-    place: tuple[float, ...] = ()
-
-    def __call__(self, place: Iterable[float]) -> float:
-        """Minus the ratio at a ``place``; 0 without an answer."""
+    def objective(place: Iterable[float]) -> float:
         values = tuple(map(float, place))
-        ratio = ratio_at(self.space, values)
-        self.evaluations += 1
-        if ratio is None:
-            self.unsolved += 1
-            return 0.0
-        self.answered += ratio > 0.0
-        if ratio > self.ratio:
-            self.ratio, self.place = ratio, values
-        return -min(ratio, 1e9)
+        tried.append((ratio_at(space, values), values))
+        return -min(tried[-1][0] or 0.0, 1e9)
 
-
-def search(space: Space, seed: int, evaluations: int) -> Attack:
-    """Differential evolution over ``space`` from one start: its share of the ``evaluations``."""
-    ratios = Attack(space, seed)
     size = POPULATION * DIMENSIONS
     differential_evolution(
-        ratios,
+        objective,
         [(0.0, 1.0)] * DIMENSIONS,
         popsize=POPULATION,
         maxiter=max(1, round(space.share * evaluations / size) - 1),
@@ -226,60 +204,48 @@ def search(space: Space, seed: int, evaluations: int) -> Attack:
     )
     # The worst joint on the limits of the ranges, one after the other, where it gets worse.
     for dimension, end in itertools.product(range(DIMENSIONS), (0.0, 1.0)):
-        ratios([*ratios.place[:dimension], end, *ratios.place[dimension + 1 :]])
-    return ratios
-
-
-def row_of(worst: Attack) -> dict[str, Any]:
-    """The worst joint of a start, with its loads (N) on other nodes."""
-    target = target_at(worst.space, worst.place)
+        _, worst = max(tried, key=_ratio)
+        objective([*worst[:dimension], end, *worst[dimension + 1 :]])
+    ratio, place = max(tried, key=_ratio)
+    target = target_at(space, place)
     promised = safe_load(target) or math.nan
     row: dict[str, Any] = {
-        "space": worst.space.name,
-        "seed": worst.seed,
-        "evaluations": worst.evaluations,
-        "answered": worst.answered,
-        "unsolved": worst.unsolved,
-        "safe_over_first_failure": worst.ratio,
+        "space": space.name,
+        "seed": seed,
+        "evaluations": len(tried),
+        "answered": sum(found is not None and found > 0.0 for found, _ in tried),
+        "unsolved": sum(found is None for found, _ in tried),
+        "safe_over_first_failure": ratio,
         "safe_N": promised,
     }
-    for number, (layout, cells) in enumerate(CHECKS[worst.space.elastic], start=1):
-        row |= _checked(target, promised, number, layout, cells)
-    if worst.space.elastic:
-        row |= with_more_locks(target)
+    for number, (layout, cells) in enumerate(CHECKS[space.elastic], start=1):
+        row[f"nodes_{number}"] = f"{layout}, {cells} cells"
+        mesh = target.joint.least_side / cells
+        try:
+            path = lowest_peak(*posed(target.joint, target.loading, mesh, layout))
+        except CapacityError as error:
+            row[f"error_{number}"] = str(error)
+            continue
+        peak = path.peak.load
+        row[f"first_failure_{number}_N"], row[f"peak_{number}_N"] = path.first_failure_load, peak
+        row[f"safe_over_peak_{number}"] = promised / peak if peak else math.inf
     return {
         **row,
+        **(with_more_locks(target) if space.elastic else {}),
         "eccentricity_over_a": target.loading.direction.eccentricity,
         "push": str(target.loading.push),
         "joint": repr(target.joint),
     }
 
 
-def _checked(
-    target: Target, promised: float, number: int, layout: NodeLayout, cells: int
-) -> dict[str, Any]:
-    """First failure and peak on other nodes; the reason if there is none."""
-    row: dict[str, Any] = {f"nodes_{number}": f"{layout}, {cells} cells"}
-    try:
-        joint, loading = target.joint, target.loading
-        path = lowest_peak(*posed(joint, loading, joint.least_side / cells, layout))
-    except CapacityError as error:
-        return row | {f"error_{number}": str(error)}
-    return row | {
-        f"first_failure_{number}_N": path.first_failure_load,
-        f"peak_{number}_N": path.peak.load,
-        f"safe_over_peak_{number}": promised / path.peak.load if path.peak.load else math.inf,
-    }
+def _ratio(found: tuple[float | None, object]) -> float:
+    return found[0] or 0.0
 
 
 def with_more_locks(target: Target) -> dict[str, float | None]:
     """`ratio_of` the same joint with each of `MORE_LOCKS`."""
     longer = {n: replace(target.joint, locks=n) for n in MORE_LOCKS}
     return {MORE.format(n): ratio_of(Target(joint, target.loading)) for n, joint in longer.items()}
-
-
-def _row_of_start(space: Space, seed: int, evaluations: int) -> dict[str, Any]:
-    return row_of(search(space, seed, evaluations))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -297,7 +263,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows: list[dict[str, Any]] = []
     with ProcessPoolExecutor(given.processes) as pool:
         starts = [
-            pool.submit(_row_of_start, space, seed, given.evaluations)
+            pool.submit(search, space, seed, given.evaluations)
             for seed in range(1, given.seeds + 1)
             for space in spaces
         ]
@@ -325,8 +291,7 @@ def worst(results: Path, *, elastic: bool) -> str:
     names = [space.name for space in SPACES if space.elastic is elastic]
     table = table[table["space"].isin(names)]
     if table.empty:
-        blocks = "elastic" if elastic else "rigid"
-        raise FileNotFoundError(None, None, f"the attack on {blocks} blocks in {path}")
+        raise FileNotFoundError(None, None, f"the attack on these blocks in {path}")
     rows = []
     for space, group in table.groupby("space", sort=False):
         peaks = group.filter(regex=r"^safe_over_peak_\d+$").max(numeric_only=True)
