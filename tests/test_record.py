@@ -18,7 +18,6 @@ from sidmacib.engines.results import (
     NODE_COLUMNS,
     NODES,
     RESULT,
-    check_bracket,
     check_first_failure,
     force_to_stress,
     read_outcome,
@@ -89,15 +88,13 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
     ("name", "old", "new", "message"),
     [
         (RESULT, '"peak_load_N": ', '"peak_load_N": Infinity, "x": ', "peak load inf N"),
-        (RESULT, "{", "", "result.json: unreadable"),
-        (RESULT, '"peak_load_N"', '"peak"', "result.json: unreadable"),
-        (NODES, "shear_y_Pa", "shear_w_Pa", "nodes.csv, line 1: no column shear_y_Pa"),
-        (NODES, "dry-lower-lock1,dry", "dry-lower-lock3,dry", "nodes.csv, line 2: must be node 1"),
-        (HISTORY, "equilibrium", "equilibrium,7", "history.csv, line 2: must have 3 columns"),
-        (HISTORY, "load_N", "load", "history.csv, line 1: no column load_N"),
+        (RESULT, "{", "", "results unreadable"),
+        (RESULT, '"peak_load_N"', '"peak"', "results unreadable: 'peak_load_N'"),
+        (NODES, "shear_y_Pa", "shear_w_Pa", "results unreadable: 'shear_y_Pa'"),
+        (HISTORY, "load_N", "load", "results unreadable: 'load_N'"),
     ],
 )
-def test_results_that_cannot_be_are_refused_with_file_and_line(
+def test_results_that_cannot_be_are_refused(
     tmp_path: Path, name: str, old: str, new: str, message: str
 ) -> None:
     case = case_of()
@@ -107,18 +104,6 @@ def test_results_that_cannot_be_are_refused_with_file_and_line(
     (tmp_path / name).write_text(text.replace(old, new, 1))
     with pytest.raises(ResultError, match=message):
         record_of(case, case.subject.problem(), read_outcome(tmp_path, assembly), {})
-
-
-@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
-@pytest.mark.parametrize("column", range(2, len(NODE_COLUMNS)))
-def test_a_node_without_a_number_is_named(tmp_path: Path, column: int, value: str) -> None:
-    assembly = write_engine_files(tmp_path, case_of())
-    lines = (tmp_path / NODES).read_text().splitlines()
-    cells = lines[4].split(",")
-    lines[4] = ",".join([*cells[:column], value, *cells[column + 1 :]])
-    (tmp_path / NODES).write_text("\n".join(lines))
-    with pytest.raises(ResultError, match=f"nodes.csv, line 5: {NODE_COLUMNS[column]} is"):
-        read_outcome(tmp_path, assembly)
 
 
 @pytest.mark.parametrize(
@@ -162,25 +147,6 @@ def test_a_record_has_what_each_lock_carries_and_reads_as_it_was_written(ratio: 
     most = max(abs(lock.shear_x_N) for lock in record.part.weights)
     assert most > 1e-3 * strength if ratio else most == 0.0
     assert Record.from_json(record.to_json()) == record
-
-
-def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path) -> None:
-    assembly = write_engine_files(tmp_path, case_of())
-    whole = json.loads((tmp_path / RESULT).read_text())
-    loads = {key: 1.04 * whole[key] for key in ("peak_load_N", "failed_load_N")}
-    (tmp_path / RESULT).write_text(json.dumps(whole | loads))
-    words = r"peak load .* N is not allowed; .* a load at equilibrium of history\.csv"
-    with pytest.raises(ResultError, match=words):
-        read_outcome(tmp_path, assembly)
-
-
-@pytest.mark.parametrize(
-    ("peak", "failed", "refused"),
-    [(100.0, 100.1, False), (100.0, 100.2, True), (1.0, 1.02, False), (1.0, 10.0, True)],
-)
-def test_a_failed_load_is_held_to_the_tolerance(peak: float, failed: float, refused: bool) -> None:
-    with pytest.raises(ResultError, match="the tolerance, above") if refused else nullcontext():
-        check_bracket(Outcome((State(peak),), failed), 0.001, 20.0)
 
 
 @pytest.mark.parametrize(("peak", "refused"), [(79.0, True), (81.0, False), (300.0, False)])

@@ -9,17 +9,14 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Annotated
 
 from sidmacib.drawing import ORANGE, PURPLE, VERMILION
 from sidmacib.model import Ability, Model
 from sidmacib.quantities import Number, Share
 
-CONFIGURATION = "/usr/lib", "*/yade-double/py/yade/config.py"  # of YADE in Debian
 # Variables that schedulers and MPI set for the processes that they start; not for engines.
 FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")
 
@@ -70,15 +67,15 @@ class Engine(Model):
     ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
     the program, followed by the script's name; ``package``: Debian's package that has it;
     ``probe``: a program of that package, whose presence shows that it is installed;
-    ``version_text``: a text of the program that contains its version, found by
-    ``version_pattern``; ``reads``: keys of dem.numerics that have an effect on it.
+    ``prints_version``: a command whose output contains the version, found by ``version_pattern``;
+    ``reads``: keys of dem.numerics that have an effect on it.
     """
 
     template: str
     command: tuple[str, ...]
     package: str
     probe: str
-    version_text: Callable[[], str]
+    prints_version: tuple[str, ...]
     version_pattern: str
     reads: frozenset[str]
     script: str = "joint.py"
@@ -99,8 +96,11 @@ class Engine(Model):
         return f"{self.name}: not installed; on Debian: apt-get install {self.package}"
 
     def version(self) -> str:
-        """The version of the program, such as 3.8.0; RuntimeError if it is not installed."""
-        return _version(self)
+        """The version of the program, such as 3.8.0; RuntimeError if it states none."""
+        found = re.search(self.version_pattern, _printed(self.prints_version), re.MULTILINE)
+        if not found:
+            raise RuntimeError(f"{self.name}: its output states no version")
+        return found[1]
 
     def versions(self) -> dict[str, str]:
         """Its version by its name; empty if it is not installed."""
@@ -108,53 +108,12 @@ class Engine(Model):
 
 
 @cache
-def _version(engine: Engine) -> str:
-    if missing := engine.missing():
-        raise RuntimeError(missing)
-    found = re.search(engine.version_pattern, engine.version_text(), re.MULTILINE)
-    if not found:
-        raise RuntimeError(f"{engine.name}: its output states no version")
-    return found[1]
-
-
-def _yade_version() -> str:
-    """The text of YADE's configuration: asking the program takes it two seconds."""
-    root, pattern = CONFIGURATION
-    return "".join(path.read_text() for path in sorted(Path(root).glob(pattern)))
-
-
-YADE = Engine(
-    name="yade",
-    label="YADE",
-    colour=VERMILION,
-    abilities=frozenset(
-        {
-            *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
-            *(Ability.PROGRESSIVE, Ability.RIGID, Ability.SHARED),
-            Ability.FIRST_FAILURE,
-        }
-    ),
-    template="yade.py.j2",
-    # Debian's Python, not the launcher of YADE, which opens ports on the loopback interface.
-    command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
-    package="yade",
-    probe="yade",
-    version_text=_yade_version,
-    version_pattern=r"^version='(.+)'",
-    reads=frozenset(
-        {
-            *("tolerance", "guided", "first_increment", "ramp_periods", "hold_periods"),
-            *("unbalanced_ratio", "collapse_share", "time_step_ratio", "damping"),
-        }
-    ),
-)
-
-
-def _liggghts_version() -> str:
-    """The text of LIGGGHTS' help."""
+def _printed(command: tuple[str, ...]) -> str:
+    """What a command prints, whatever its exit code: that of CalculiX never says success."""
+    # LIGGGHTS would start a daemon of MPI, which listens on ports.
     alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"}
     return subprocess.run(
-        ["liggghts", "-h"],
+        command,
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
@@ -164,55 +123,53 @@ def _liggghts_version() -> str:
     ).stdout
 
 
+ALL_CAN = {Ability.BRITTLE, Ability.FRICTION, Ability.SHARED, Ability.FIRST_FAILURE}
+DISTINCT_CAN = {*ALL_CAN, Ability.PROGRESSIVE, Ability.RIGID}
+DISTINCT_READ = {
+    *("tolerance", "guided", "first_increment", "ramp_periods", "hold_periods"),
+    *("unbalanced_ratio", "collapse_share", "time_step_ratio"),
+}
+
+YADE = Engine(
+    name="yade",
+    label="YADE",
+    colour=VERMILION,
+    abilities=frozenset({*DISTINCT_CAN, Ability.DUCTILE, Ability.TWO_STIFFNESSES}),
+    template="yade.py.j2",
+    # Debian's Python, not the launcher of YADE, which opens ports on the loopback interface.
+    command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
+    package="yade",
+    probe="yade",
+    # Of its configuration: asking the program takes it two seconds.
+    prints_version=("sh", "-c", "cat /usr/lib/*/yade-double/py/yade/config.py"),
+    version_pattern=r"^version='(.+)'",
+    reads=frozenset({*DISTINCT_READ, "damping"}),
+)
+
 LIGGGHTS = Engine(
     name="liggghts",
     label="LIGGGHTS",
     colour=ORANGE,
-    abilities=frozenset(  # its inner faces are as stiff along as across
-        {
-            *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE),
-            *(Ability.RIGID, Ability.SHARED),
-            Ability.FIRST_FAILURE,
-        }
-    ),
+    abilities=frozenset(DISTINCT_CAN),  # its inner faces are as stiff along as across
     template="liggghts.py.j2",
     command=(sys.executable,),  # the script starts LIGGGHTS and gives it commands
     package="liggghts",
     probe="liggghts",
-    version_text=_liggghts_version,
+    prints_version=("liggghts", "-h"),
     version_pattern=r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)",
-    reads=frozenset(
-        {
-            *("tolerance", "guided", "first_increment", "ramp_periods", "hold_periods"),
-            *("unbalanced_ratio", "collapse_share", "time_step_ratio", "ranks"),
-        }
-    ),
+    reads=frozenset({*DISTINCT_READ, "ranks"}),
 )
-
-
-def _calculix_version() -> str:
-    """The text with CalculiX's version; it ends with an exit code although it succeeds."""
-    return subprocess.run(
-        ["ccx", "-v"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
-    ).stdout
-
 
 CALCULIX = Engine(
     name="calculix",
     label="CalculiX",
     colour=PURPLE,
-    abilities=frozenset(
-        {
-            *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
-            *(Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
-            Ability.FIRST_FAILURE,
-        }
-    ),
+    abilities=frozenset({*ALL_CAN, Ability.TWO_STIFFNESSES, Ability.ELASTIC, Ability.JOINED}),
     template="calculix.py.j2",
     command=(sys.executable,),  # the script starts CalculiX and reads what it writes
     package="calculix-ccx",
     probe="ccx",
-    version_text=_calculix_version,
+    prints_version=("ccx", "-v"),
     version_pattern=r"Version ([\d.]+)",
     reads=frozenset({"tolerance", "first_increment"}),
 )
