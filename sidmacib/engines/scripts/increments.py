@@ -1,16 +1,14 @@
 """Search for the peak of a model that breaks by itself: by ever smaller increments of the load."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
-from .assembly import GivenSearch, Guide
+from .assembly import GivenSearch
 from .records import (
     EngineOutcome,
     EnginePeak,
     NoAnswerError,
-    NodeForce,
     failure_mode,
     require_standing,
 )
@@ -24,29 +22,10 @@ GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 
 
-class RaisedModel(Protocol):
-    """A model that the search raises the load on."""
-
-    breakable: bool  # whether bonds are lost at their strength
-
-    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
-        """Raise load (N) and share of the permanent loads, and wait for the outcome."""
-
-    @property
-    def met(self) -> str | None:
-        """Which two pieces have met, in words."""
-
-    def broken(self) -> int:
-        """Number of nodes whose bond has broken."""
-
-    def node_forces(self) -> Sequence[NodeForce]:
-        """Forces of all nodes, in their order."""
-
-    def keep(self) -> None:
-        """Keep the present state."""
-
-    def go_back(self) -> None:
-        """Return to the state that was kept last."""
+def next_stop(load: float, expected: float, tolerance: float) -> float | None:
+    """The next stop (N) on the way to an ``expected`` load (N); None after the last."""
+    stops = (share * expected for share in STOPS)
+    return next((stop for stop in stops if load < stop * (1.0 - STRIDE * tolerance)), None)
 
 
 @dataclass
@@ -73,10 +52,8 @@ class Bracket:
             return self.event
         if self.event < math.inf:
             return (self.load + self.event) / 2
-        for share in STOPS:
-            if self.load < share * self.expected * (1.0 - STRIDE * self.tolerance):
-                return share * self.expected
-        return self.load + self.increment
+        stop = next_stop(self.load, self.expected, self.tolerance)
+        return stop or self.load + self.increment
 
     def carries(self, load: float) -> None:
         """Note that ``load`` is carried, and the increment to go on by."""
@@ -89,15 +66,13 @@ class Bracket:
         self.event = self.event if load < self.event else math.inf
         self.load = load
 
-    def towards_the_peak(self, guide: Guide | None) -> "Bracket":
-        """The bracket for the search of the peak after the first failure."""
-        expected = guide.peak_after(self.load) if guide else 0.0
-        increment = STRIDE * self.tolerance * self.load
-        return Bracket(self.load, math.inf, expected, increment, self.tolerance)
 
-
-def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
+def peak_by_increments(model: Any, search: GivenSearch) -> EnginePeak:
     """The largest load that ``model`` carries.
+
+    The model, such as YADE's, says of itself whether it is ``breakable``, how many nodes are
+    ``broken``, what it has ``met`` and its ``node_forces``; its load is ``raised``, and it can
+    ``keep`` a state and ``go_back`` to it.
 
     With a guide, the load goes in few steps to most of the first failure that is expected, and then
     on by small increments. Without, the increment grows until the assembly fails. From then on
@@ -137,7 +112,9 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
             model.go_back()
         bracket.carries(load)
         if first:  # the first failure is found: on to the peak
-            first_failure, bracket = load, bracket.towards_the_peak(guide)
+            first_failure, expected = load, guide.peak_after(load) if guide else 0.0
+            increment = STRIDE * search.tolerance * load
+            bracket = Bracket(load, math.inf, expected, increment, search.tolerance)
         print(search.said(load), "stands", flush=True)
         if load > search.last_N:
             raise NoAnswerError(search.no_peak)

@@ -1,17 +1,16 @@
 """Search for the peak of a model whose bonds are cut one by one: from failure to failure."""
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Any
 
 from .assembly import GivenSearch
-from .increments import AT_ONCE, BEYOND, GROWTH, HALF, LEAST_INCREMENT, STOPS, STRIDE
+from .increments import AT_ONCE, BEYOND, GROWTH, HALF, LEAST_INCREMENT, STRIDE, next_stop
 from .records import (
     BONDS,
     EngineOutcome,
     EnginePeak,
     NoAnswerError,
-    NodeForce,
     failure_mode,
     require_contacts,
     require_standing,
@@ -23,42 +22,17 @@ AFTER = 0.05  # of the load, the first increment after a failure: the next one m
 TOGETHER = 1e-4  # nodes whose utilisations differ by less fail together
 
 
-class CutModel(Protocol):
-    """A model whose bonds hold until the search cuts them."""
-
-    load: float  # N, that it stands at
-
-    def raised(self, load: float) -> EngineOutcome:
-        """Raise the load (N) and wait for the outcome."""
-
-    def cut(self, nodes: Iterable[int]) -> EngineOutcome:
-        """Cut the bonds of nodes and wait for the outcome, or until others must fail."""
-
-    def back(self) -> None:
-        """Undo the last event."""
-
-    @property
-    def met(self) -> str | None:
-        """Which two pieces have met, in words."""
-
-    def utilisation(self) -> dict[int, float]:
-        """Utilisation of each intact bond."""
-
-    def record(self, load: float, stage: str) -> Sequence[NodeForce]:
-        """Add the state to the history; forces of all nodes."""
-
-
-def failure_ahead(used: Sequence[tuple[float, float]], otherwise: float) -> float:
+def failure_ahead(used: Sequence[tuple[float, float]]) -> float:
     """The load (N) at which the most used bond will reach its strength, if all stays linear.
 
-    ``used``: loads (N) and largest utilisations of the last equilibria; ``otherwise`` where they
-    give no slope, which is taken over some distance, as every equilibrium is still a bit off.
+    ``used``: loads (N) and largest utilisations of the last equilibria. The slope is taken over
+    some distance, as every equilibrium is still a bit off; infinite where they give none.
     """
     load, most = used[-1]
     far = [(0.0, 0.0), *(point for point in used[:-1] if point[0] <= (1.0 - APART) * load)]
     before, less = far[-1]
     if not (load > before and less < most < math.inf):
-        return otherwise
+        return math.inf
     return load + (1.0 - most) * (load - before) / (most - less)
 
 
@@ -74,7 +48,7 @@ def next_load(
     to a load that ``failed``, and to that once more from nearby.
     """
     load = used[-1][0]
-    failure = (1.0 - tolerance / 2) * failure_ahead(used, math.inf)
+    failure = (1.0 - tolerance / 2) * failure_ahead(used)
     # Near a failure all the way to it, otherwise most of it.
     share = 1.0 if failure - load < NEAR * failure else AT_ONCE
     furthest = min(load + increment, load + share * (failure - load))
@@ -82,18 +56,6 @@ def next_load(
     if furthest < failed or failed <= load * (1.0 + tolerance):
         return min(furthest, failed)
     return (load + failed) / 2
-
-
-def towards_mechanism(load: float, expected: float, tolerance: float) -> float:
-    """The increment (N) of a model without bonds: stop by stop to the ``expected`` load (N).
-
-    From the last stop on it is small: a load that fails is dear, as all is done again from the
-    beginning.
-    """
-    for share in STOPS:
-        if load < share * expected * (1.0 - STRIDE * tolerance):
-            return share * expected - load
-    return STRIDE * tolerance * load
 
 
 def failing(used: dict[int, float]) -> list[int]:
@@ -107,8 +69,12 @@ def most_used(used: dict[int, float]) -> float:
     return max(used.values(), default=0.0)
 
 
-def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
+def peak_by_failures(model: Any, search: GivenSearch) -> EnginePeak:
     """The largest load that ``model`` carries.
+
+    The model, such as LIGGGHTS', says of itself at which ``load`` it is, what it has ``met`` and
+    the ``utilisation`` of each intact bond; its load is ``raised``, bonds are ``cut``, it can go
+    ``back`` to where its load was raised last, and ``record`` its state.
 
     The load rises to just below the failure of the next bond, with a guide by halves of the first
     one. That bond is cut, at this load, and all that fail in turn; where no equilibrium follows is
@@ -120,24 +86,23 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
     expected = search.guide.first_failure_N if search.guide else 0.0
     increment = HALF * expected or first
     first_failure, before, failed = None, list[tuple[float, float]](), math.inf
-    used = model.utilisation()
-    bonds = bool(used)
+    bonds = bool(used := model.utilisation())
     while True:
-        most = most_used(used)
-        before.append((model.load, most))
-        peak = model.load
+        peak, most = model.load, most_used(used)
+        before.append((peak, most))
         nodes = model.record(peak, EngineOutcome.EQUILIBRIUM.value)
         if most >= 1.0 - tolerance:
             first_failure = peak if first_failure is None else first_failure
-            outcome, used = _cascade(model, used, tolerance)
-            require_contacts(outcome, search.said(peak), model.met)
+            outcome, used = _cascade(model, used, search)
             if outcome is not EngineOutcome.EQUILIBRIUM:
                 model.record(peak, outcome.value)
                 return EnginePeak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
             before, increment, expected, failed = [], max(first / 4, AFTER * peak), 0.0, math.inf
             continue
         if search.guide and not bonds and peak <= (1.0 + BEYOND) * search.guide.peak_N:
-            increment = towards_mechanism(peak, search.guide.peak_N, tolerance)
+            # Stop by stop, then little by little: after a load that fails, all is done again.
+            stop = next_stop(peak, search.guide.peak_N, tolerance)
+            increment = stop - peak if stop else STRIDE * tolerance * peak
         load = next_load(before, increment, tolerance, failed)
         while True:
             outcome = model.raised(load)
@@ -154,8 +119,9 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
                 return EnginePeak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
-            known = balanced and math.isfinite(over)
-            share = (1.0 - tolerance / 2 - most) / (over - most) if known else 0.5
+            share = 0.5
+            if balanced and math.isfinite(over):
+                share = (1.0 - tolerance / 2 - most) / (over - most)
             increment = share * (load - peak)
             failed = load if not balanced else failed
             model.back()
@@ -168,15 +134,18 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
 
 
 def _cascade(
-    model: CutModel, used: dict[int, float], tolerance: float
+    model: Any, used: dict[int, float], search: GivenSearch
 ) -> tuple[EngineOutcome, dict[int, float]]:
     """Cut the bonds at their strength, and all that fail in turn; utilisations of the others."""
     outcome = EngineOutcome.EQUILIBRIUM
-    while most_used(used) >= 1.0 - tolerance:
+    while most_used(used) >= 1.0 - search.tolerance:
         cut = failing(used)
         print(f"{model.load:12.4f} N cuts {len(cut)} springs", flush=True)
         outcome = model.cut(cut)
         if outcome not in (EngineOutcome.EQUILIBRIUM, EngineOutcome.OVERSTRESSED):
             break
         used = model.utilisation()
+    require_contacts(outcome, search.said(model.load), model.met)
+    if not model.load:
+        require_standing(outcome, model.met, search.guide)
     return outcome, used

@@ -19,7 +19,6 @@ BONDS = "bonds"  # at the load that failed, bonds broke
 MECHANISM = "mechanism"  # the pieces slid or overturned, and no bond broke
 FIRST_FAILURE = "first failure"  # bonds would break; what comes after it is not known
 FALLS_ALONE = "it does not stand under its permanent loads"
-MODES = (BONDS, MECHANISM, FIRST_FAILURE)
 NO_ANSWER = 3  # exit code of a script that says why there is no result
 
 
@@ -57,8 +56,8 @@ class EnginePeak:
     """The largest load carried, in N, and the results at it.
 
     ``failed_load``: the smallest known that is not carried; ``first_failure_load``: where the first
-    node failed, None if none did. ``mode``: how it failed, one of `MODES`. ``nodes``: the
-    forces at the peak.
+    node failed, None if none did. ``mode``: how it failed, `BONDS`, `MECHANISM` or `FIRST_FAILURE`.
+    ``nodes``: the forces at the peak.
     """
 
     load: float
@@ -90,15 +89,10 @@ class History:
         The shear along z only of faces that are not rectangles along the axes.
         """
         faces = self.assembly.faces
-        shear = [[0.0, 0.0, 0.0] for _ in faces]
-        count, bonds = [0] * len(faces), [0] * len(faces)
+        inner: dict[int, list[NodeForce]] = {k: [] for k, face in enumerate(faces) if face.cohesive}
         for force, node in zip(nodes, self.assembly.nodes, strict=True):
-            total = shear[node.face]
-            total[0] += force.shear[0]
-            total[1] += force.shear[1]
-            total[2] += force.shear[2]
-            count[node.face] += 1
-            bonds[node.face] += force.bonded
+            if node.face in inner:
+                inner[node.face].append(force)
         row = {
             "time_step": self.time_steps,
             "attempt": self.attempts,
@@ -107,12 +101,13 @@ class History:
             "displacement_m": displacement,
             "unbalanced_ratio": unbalanced_ratio,
         }
-        inner = [number for number, face in enumerate(faces) if face.cohesive]
-        for number in inner:
+        for number, forces in inner.items():
             for k, axis in enumerate("xyz" if faces[number].tangents else "xy"):
-                row[f"{faces[number].name}_shear_{axis}_N"] = shear[number][k]
-        for number in inner:
-            row[f"{faces[number].name}_broken_share"] = 1.0 - bonds[number] / count[number]
+                shear = sum(force.shear[k] for force in forces)
+                row[f"{faces[number].name}_shear_{axis}_N"] = shear
+        for number, forces in inner.items():
+            bonded = sum(force.bonded for force in forces)
+            row[f"{faces[number].name}_broken_share"] = 1.0 - bonded / len(forces)
         self.rows.append(row)
 
     def write(self, peak: EnginePeak, engine: str, version: str) -> None:
