@@ -2,10 +2,8 @@
 
 import json
 import math
-import re
 import shutil
 from dataclasses import asdict, fields
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -127,7 +125,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
 
     Pieces and faces are referred to by index, materials by the names that the script gives them.
     """
-    names = _material_names(assembly)
+    names, support = _material_names(assembly), None
+    if isinstance(loads, SupportMotion):
+        support = {"piece": loads.support, "along": loads.along, "about_m": loads.about}
     return {
         "pieces": [
             _piece(piece, permanent)
@@ -141,9 +141,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             for index, load in enumerate(loads.variable)
             if load.any() and loads.axis is None
         ],
-        "axis": loads.axis and list(loads.axis),
-        "support": _support(loads),
-        "sides": [{**asdict(side), "wrench": list(side.wrench)} for side in loads.sides],
+        "axis": loads.axis,
+        "support": support,
+        "sides": [asdict(side) for side in loads.sides],
         "length_m": assembly.length,
         "mesh_m": assembly.mesh if math.isfinite(assembly.mesh) else None,
         "layout": str(assembly.layout),
@@ -154,14 +154,6 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             "vertex_above": vertices_above(assembly).tolist(),
         },
     }
-
-
-def _support(loads: Loads) -> dict[str, Any] | None:
-    """The support that moves, as `SupportMove` has it; None if none does."""
-    if not isinstance(loads, SupportMotion):
-        return None
-    along, about = list(loads.along), loads.about and list(loads.about)
-    return {"piece": loads.support, "along": along, "about_m": about}
 
 
 def _piece(piece: Piece, permanent: Floats) -> dict[str, Any]:
@@ -177,12 +169,9 @@ def _piece(piece: Piece, permanent: Floats) -> dict[str, Any]:
         "solids": convex_solids(piece),
     }
     if isinstance(piece, Cuboid):
-        data |= {
-            "low_m": list(piece.low),
-            "high_m": list(piece.high),
-            "young_Pa": piece.elastic.young if piece.elastic else None,
-            "poisson": piece.elastic.poisson if piece.elastic else 0.0,
-        }
+        law = piece.elastic
+        data |= {"low_m": piece.low, "high_m": piece.high}
+        data |= {"young_Pa": law and law.young, "poisson": law.poisson if law else 0.0}
     return data
 
 
@@ -201,19 +190,11 @@ def _face(face: Face, material: str) -> dict[str, Any]:
     return data
 
 
-@cache
 def sources(engine: Engine) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Modules that the engine's script imports, and files it is made of, below the project."""
-    files, modules = [engine.template], list[str]()
-    for name in files:  # which grows meanwhile
-        text = (TEMPLATES / name).read_text()
-        files += re.findall(r'{% include "(.+)" %}', text)
-        modules += re.findall(rf"^from ({MODULES.name}[\w.]+) import", text, re.MULTILINE)
-    root = __name__.removesuffix(f"{MODULES.name}.render")
-    return (
-        tuple(f"{root}{name}" for name in dict.fromkeys(modules)),
-        tuple(f"{TEMPLATES.name}/{name}" for name in files),
-    )
+    """The module that an engine's script runs, and the files that it is made of, by their paths."""
+    parts = ("assembly.py.j2",) if engine.elastic else ("joint.py.j2", "assembly.py.j2")
+    files = tuple(f"{TEMPLATES.name}/{name}" for name in (engine.template, *parts))
+    return (f"sidmacib.engines.{engine.name}.run",), files
 
 
 def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
