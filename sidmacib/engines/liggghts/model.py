@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..scripts.assembly import Vector, dot, length, plus, utilisation
@@ -20,16 +19,6 @@ SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after
 SOON, LATER = 0.05, 0.2
 LESS_DRAG = 0.1  # share of the drag then
 LOOKS = 10  # at least, in every time as long as all that was waited before
-
-
-@dataclass(frozen=True)
-class State:
-    """A state that LIGGGHTS has written to `RESTART`: its load (N), time step, and nodes."""
-
-    load: float
-    steps: int
-    cut_nodes: frozenset[int]
-    surroundings: Surroundings
 
 
 class Placement:
@@ -70,14 +59,14 @@ class LiggghtsModel:
         self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
         self.ranks, self.history = ranks, history
         self.slice = max(1, round(2 * self.search.period_steps))  # steps between two looks at it
-        self.kept = State(0.0, 0, frozenset(), Surroundings(self.assembly))
+        # What `RESTART` does not hold: load (N), time step, nodes that are cut, and surroundings.
+        self.kept = 0.0, 0, frozenset[int](), Surroundings(self.assembly)
         self._start(f"include {INPUT_SCRIPT}")
 
     def _start(self, *commands: str) -> None:
-        self.engine, self.load = LiggghtsProcess(self.ranks), self.kept.load
-        self.engine.steps = self.kept.steps
-        self.surroundings = self.kept.surroundings.copy()
-        self.cut_nodes = set(self.kept.cut_nodes)
+        self.engine = LiggghtsProcess(self.ranks)
+        self.load, self.engine.steps, self.cut_nodes, surroundings = self.kept
+        self.surroundings = surroundings.copy()
         self.engine.send(*commands)
         self._set_load(self.load)
         self._run(0)
@@ -92,9 +81,7 @@ class LiggghtsModel:
     def raised(self, load: float) -> EngineOutcome:
         """Raise the load (N) smoothly and wait for the outcome."""
         self.history.attempts += 1
-        self.kept = State(
-            self.load, self.engine.steps, frozenset(self.cut_nodes), self.surroundings.copy()
-        )
+        self.kept = self.load, self.engine.steps, self.cut_nodes, self.surroundings.copy()
         self.engine.send(f"write_restart {RESTART}")
         self.engine.fresh = True
         ramp = self.search.ramp(load - self.load, load)
@@ -113,7 +100,7 @@ class LiggghtsModel:
         """Cut the springs of nodes and wait for the outcome, or until others must fail."""
         self.history.attempts += 1
         cut = sorted(nodes)
-        self.cut_nodes |= set(cut)
+        self.cut_nodes |= frozenset(cut)
         self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
         commands = []
         for node in cut:
@@ -250,7 +237,7 @@ class LiggghtsModel:
 
     def node_forces(self) -> list[NodeForce]:
         """Forces of all nodes."""
-        touching = self.engine.dump("all", ["fx", "fy", "fz"])
+        touching = self.engine.forces()
         springs, rows = self.spring_forces(), []
         for number, node in enumerate(self.assembly.nodes):
             normal = self.assembly.faces[node.face].normal

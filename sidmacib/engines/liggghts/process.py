@@ -30,17 +30,6 @@ def command(ranks: int) -> tuple[str, ...]:
     return (*in_private_network(), *prefix, *mpirun, *ENDS_WITH_PARENT, *LIGGGHTS)
 
 
-def own_folder() -> dict[str, str]:
-    """Have MPI keep its files here, not in the system's folders.
-
-    There those of the dead stay, and of two that start and end at once one may fail.
-    """
-    return {
-        name: str(Path.cwd())
-        for name in ("OMPI_MCA_btl_vader_backing_directory", "OMPI_MCA_orte_tmpdir_base")
-    }
-
-
 class LiggghtsProcess:
     """LIGGGHTS on ``ranks`` processes; an error ends this script with its last lines."""
 
@@ -52,11 +41,21 @@ class LiggghtsProcess:
             stderr=subprocess.STDOUT,
             text=True,
             errors="replace",  # of its error messages some are not text
-            env={**os.environ, **MPI, **own_folder(), **(ALONE if ranks == 1 else {})},
+            env={
+                **os.environ,
+                **MPI,
+                # In the system's folders files of the dead stay, and of two that start and end at
+                # once one may fail.
+                "OMPI_MCA_btl_vader_backing_directory": str(Path.cwd()),
+                "OMPI_MCA_orte_tmpdir_base": str(Path.cwd()),
+                **(ALONE if ranks == 1 else {}),
+            },
         )
         self.marks = count()
         self.steps, self.fresh = 0, True
-        self.version = version_in(self.send())
+        found = re.search(r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)", "\n".join(self.send()))
+        assert found, "LIGGGHTS states no version"
+        self.version = found[1]
 
     def send(self, *commands: str) -> list[str]:
         """Give it commands, wait for their end, and return the lines that it printed."""
@@ -90,15 +89,11 @@ class LiggghtsProcess:
         self.send(f"run {steps} pre {'yes' if self.fresh else 'no'} post no")
         self.fresh = False
 
-    def dump(self, group: str, columns: Sequence[str]) -> dict[int, list[float]]:
-        """Numbers of the atoms of a group, by atom."""
-        pattern = " ".join(["%d"] + ["%.17g"] * len(columns))
-        columns_of = f"id {' '.join(columns)}"
-        self.send(f'write_dump {group} custom now.dump {columns_of} modify format "{pattern}"')
-        path = Path("now.dump")
-        rows = dumped_rows(path.read_text())
-        path.unlink()
-        return rows
+    def forces(self) -> dict[int, list[float]]:
+        """Force (N) on each atom."""
+        pattern = "%d %.17g %.17g %.17g"
+        self.send(f'write_dump all custom now.dump id fx fy fz modify format "{pattern}"')
+        return dumped_rows(Path("now.dump").read_text())
 
     def values(self, names: Sequence[str]) -> list[float]:
         """Values of variables."""
@@ -108,14 +103,6 @@ class LiggghtsProcess:
     def stop(self) -> None:
         """End it by closing its input, so that it removes its temporary files."""
         self.process.communicate()
-
-
-def version_in(lines: Sequence[str]) -> str:
-    """The version that LIGGGHTS prints when it starts, such as 3.8.0."""
-    for line in lines:
-        if found := re.search(r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)", line):
-            return found[1]
-    raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS: its output states no version"]))
 
 
 def dumped_rows(text: str) -> dict[int, list[float]]:

@@ -26,10 +26,8 @@ from .program import (
     O,
     Vector3,
     contact,
-    keep_in_tension,
     node_force,
     watch,
-    without_friction_of_bonds,
     wrapper,
 )
 
@@ -66,8 +64,6 @@ class YadeModel:
         self._material_of = lru_cache(maxsize=None)(self._add_material)
         O.reset()  # it may hold another model
         self.clumps, self.pairs = self._build()
-        # Node forces, while nothing has moved since, and those of the state that was kept.
-        self.seen: list[NodeForce] | None = None
         self.surroundings = Surroundings(assembly)
         self.keep()
         self.free = [self.clumps[index] for index in assembly.free]
@@ -98,9 +94,12 @@ class YadeModel:
         ]
         watch(pairs)
         O.step()  # bonds form now, and never again
-        without_friction_of_bonds(pairs, self.face_of)
-        if self.settings.ductile:
-            keep_in_tension(pairs)
+        for found in filter(None, map(contact, pairs)):
+            if not found.phys.cohesionBroken:
+                # By default YADE adds friction to the cohesion, and in tension takes it off.
+                found.phys.cohesionDisablesFriction = True
+                if self.settings.ductile:  # or its first plastic opening would break a bond
+                    found.phys.unpMax = -1.0
         detection.interactionDetectionFactor = 1.0
         return clumps, pairs
 
@@ -261,19 +260,12 @@ class YadeModel:
 
     def node_forces(self) -> list[NodeForce]:
         """Forces of all nodes."""
-        if self.seen is None:
-            self.seen = [
-                node_force(pair, face) for pair, face in zip(self.pairs, self.face_of, strict=True)
-            ]
-        return self.seen
+        return [node_force(*each) for each in zip(self.pairs, self.face_of, strict=True)]
 
     def broken(self) -> int:
         """Number of nodes whose bond has broken."""
-        forces = self.node_forces()
-        return sum(
-            face.cohesive and not force.bonded
-            for force, face in zip(forces, self.face_of, strict=True)
-        )
+        bonded = (force.bonded for force in self.node_forces())
+        return sum(face.cohesive for face in self.face_of) - sum(bonded)
 
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
@@ -323,18 +315,14 @@ class YadeModel:
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
-        self.seen, motions = None, self.motions()
+        motions = self.motions()
         self._lost(motions)
         return motions
 
     def _lost(self, motions: Sequence[PieceMotion], *, at_rest: bool = False) -> bool:
-        """Whether nodes have left the sides of pieces that are now there; they are lost."""
-        if changed := self.surroundings.look(motions, at_rest=at_rest):
-            self._change(changed, motions)
-        return bool(changed)
-
-    def _change(self, nodes: Sequence[int], motions: Sequence[PieceMotion]) -> None:
-        """Let nodes that are lost touch no more; others go on where they have gone."""
+        """Whether nodes have left the sides of pieces; those not lost go on where they are now."""
+        if not (nodes := self.surroundings.look(motions, at_rest=at_rest)):
+            return False
         touched = [(node, c) for node in nodes if (c := contact(self.pairs[node]))]
         shear = [(node, 1.0 * found.phys.shearForce) for node, found in touched]
         for node in nodes:
@@ -347,6 +335,7 @@ class YadeModel:
         for node, force in shear:
             if found := contact(self.pairs[node]):
                 found.phys.shearForce = force
+        return True
 
     def _watch_all(self) -> None:
         """Have every node that is not lost looked at in each step."""
@@ -366,11 +355,11 @@ class YadeModel:
     def keep(self) -> None:
         """Keep the present state."""
         O.saveTmp("equilibrium")
-        self.kept = self.seen, list(self.pairs), self.surroundings.copy()
+        self.kept = list(self.pairs), self.surroundings.copy()
 
     def go_back(self) -> None:
         """Return to the state that was kept last."""
         O.loadTmp("equilibrium")
-        self.seen, pairs, surroundings = self.kept
+        pairs, surroundings = self.kept
         self.pairs, self.surroundings = list(pairs), surroundings.copy()
         self._watch_all()  # open nodes are not saved

@@ -69,27 +69,6 @@ def node_force(pair: tuple[int, int], face: GivenFace) -> NodeForce:
     return NodeForce(found.phys.normalForce.dot(normal), shear, bonded)
 
 
-def without_friction_of_bonds(pairs: list[tuple[int, int]], faces: list[GivenFace]) -> None:
-    """Let a rough face rub only where its bond has failed.
-
-    By default YADE adds friction to the cohesion of a bond, and in tension takes it off.
-    """
-    for pair, face in zip(pairs, faces, strict=True):
-        if face.cohesive and face.material.friction and O.interactions.has(*pair):
-            O.interactions[pair].phys.cohesionDisablesFriction = True
-
-
-def keep_in_tension(pairs: list[tuple[int, int]]) -> None:
-    """Let bonds yield in tension without limit.
-
-    By default YADE breaks a bond at its first plastic opening, also one that is not fragile.
-    """
-    for pair in pairs:
-        found = contact(pair)
-        if found is not None and not found.phys.cohesionBroken:
-            found.phys.unpMax = -1.0
-
-
 def watch(pairs: list[tuple[int, int]]) -> None:
     """Have every node looked at in each step, whether it is in contact or not."""
     for pair in pairs:
