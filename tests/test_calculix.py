@@ -38,8 +38,8 @@ def test_nodal_forces_add_up_to_the_loads(eccentricity: float, hold_down: HoldDo
     deck = CalculixDeck(as_read(assembly, loads))
     for index, (piece, grid) in enumerate(zip(assembly.pieces, deck.grids, strict=True)):
         centre = np.array(deck.assembly.pieces[index].centre_m)
-        nodes = enumerate(grid.nodes, start=grid.first_node)
-        arms = {number: np.array(grid.place(steps)) - centre for number, steps in nodes}
+        nodes = grid.nodes.items()
+        arms = {number: np.array(grid.place(steps)) - centre for steps, number in nodes}
         for forces, whole in ((deck.permanent, loads.permanent), (deck.variable, loads.variable)):
             resultant = np.zeros(6)
             for (node, direction), force in forces.items():

@@ -12,9 +12,11 @@ Loads are nodal forces, consistent with the shape functions: force and moment ar
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product
+from itertools import count, pairwise, product
+from operator import add
 
 from ..scripts.assembly import GivenAssembly, GivenFace, GivenPiece, Vector, cross, plus
 
@@ -33,52 +35,31 @@ DIGITS = 12  # of printed numbers
 PER_LINE = 8  # numbers
 
 Steps = tuple[int, ...]  # along x, y and z
+Lines = tuple[tuple[float, ...], ...]  # places (m) of grid lines along x, y and z
 Forces = dict[tuple[int, int], float]  # N, or per newton, by node and direction 1, 2, 3
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Grid of a piece: places of its lines (m) along x, y and z, and how it is numbered."""
+    """Grid of a piece: places of its lines (m) along x, y and z, and what is numbered in it.
 
-    lines: tuple[tuple[float, ...], ...]
-    first_node: int
-    first_element: int
+    ``nodes``: numbers by the steps along x, y and z to them; ``elements``: by those to their first
+    corners.
+    """
 
-    @property
-    def nodes(self) -> list[Steps]:
-        """Steps along x, y and z to each node, in the order of their numbers."""
-        return list(product(*(range(len(line)) for line in self.lines)))
+    lines: Lines
+    nodes: dict[Steps, int]
+    elements: dict[Steps, int]
 
-    @property
-    def cells(self) -> list[Steps]:
-        """Steps to the first corner of each element, in the order of their numbers."""
-        return list(product(*(range(len(line) - 1) for line in self.lines)))
-
-    def node(self, steps: Sequence[int]) -> int:
-        """Number of a node."""
-        _, second, third = map(len, self.lines)
-        return self.first_node + (steps[0] * second + steps[1]) * third + steps[2]
-
-    def element(self, steps: Sequence[int]) -> int:
-        """Number of an element."""
-        _, second, third = (len(line) - 1 for line in self.lines)
-        return self.first_element + (steps[0] * second + steps[1]) * third + steps[2]
-
-    def place(self, steps: Sequence[int]) -> list[float]:
+    def place(self, steps: Steps) -> list[float]:
         """Position of a node, in m."""
         return [line[step] for line, step in zip(self.lines, steps, strict=True)]
-
-    def corners(self, steps: Sequence[int]) -> list[int]:
-        """Numbers of the nodes of an element, in CalculiX's order."""
-        return [
-            self.node([s + c for s, c in zip(steps, offset, strict=True)]) for offset in CORNERS
-        ]
 
     def weights(self, place: Vector) -> dict[int, float]:
         """Shape functions at a place in m, by node; those that are 0 there are left out."""
         along = [line_weights(line, x) for line, x in zip(self.lines, place, strict=True)]
         return {
-            self.node([step for step, _ in corner]): math.prod(share for _, share in corner)
+            self.nodes[tuple(step for step, _ in corner)]: math.prod(share for _, share in corner)
             for corner in product(*along)
         }
 
@@ -121,22 +102,24 @@ class CalculixDeck:
 
     # --- grids -----------------------------------------------------------------------------------
     def _grids(self) -> list[Grid]:
-        pieces = self.assembly.pieces
-        lines: dict[int, tuple[tuple[float, ...], ...]] = {}
+        pieces, lines = self.assembly.pieces, dict[int, Lines]()
         # Fixed pieces have the grid of those that they touch.
         for index in sorted(range(len(pieces)), key=lambda number: pieces[number].fixed):
             lines[index] = tuple(self._lines(index, axis, lines) for axis in range(3))
-        grids, node, element = [], 1, 1
-        for index in range(len(pieces)):
-            grid = Grid(lines[index], node, element)
-            grids.append(grid)
-            node += len(grid.nodes)
-            element += len(grid.cells)
-        return grids
+        node, element = count(1), count(1)
+        return [
+            Grid(
+                each,
+                {steps: next(node) for steps in product(*(range(len(line)) for line in each))},
+                {
+                    steps: next(element)
+                    for steps in product(*(range(len(line) - 1) for line in each))
+                },
+            )
+            for _, each in sorted(lines.items())
+        ]
 
-    def _lines(
-        self, index: int, axis: int, known: dict[int, tuple[tuple[float, ...], ...]]
-    ) -> tuple[float, ...]:
+    def _lines(self, index: int, axis: int, known: dict[int, Lines]) -> tuple[float, ...]:
         """Places of a piece's grid lines along an axis."""
         piece = self.assembly.pieces[index]
         low, high = piece.low_m[axis], piece.high_m[axis]
@@ -175,7 +158,7 @@ class CalculixDeck:
     # --- loads -----------------------------------------------------------------------------------
     def _forces(self, permanent: bool) -> Forces:
         """Nodal forces of the permanent loads (N), or of the variable load per newton."""
-        found: Forces = {}
+        found: Forces = defaultdict(float)
         for index, piece in enumerate(self.assembly.pieces):
             if piece.fixed:
                 continue
@@ -183,12 +166,14 @@ class CalculixDeck:
             for load in self.assembly.loads if not permanent else ():
                 if load.piece == index:
                     rest = plus(rest, [*load.force, *load.moment_m])
+            parts: list[tuple[Vector, tuple[int, bool] | None]] = []
             for side in self.assembly.sides:
                 if side.piece == index and side.permanent == permanent:
                     rest = plus(rest, side.wrench, -1.0)
-                    end = side.axis, side.high
-                    add(found, spread(self.grids[index], piece, side.wrench, end))
-            add(found, spread(self.grids[index], piece, rest, None))
+                    parts.append((side.wrench, (side.axis, side.high)))
+            for wrench, end in (*parts, (rest, None)):
+                for place, force in spread(self.grids[index], piece, wrench, end).items():
+                    found[place] += force
         return {place: force for place, force in found.items() if force}
 
     # --- text ------------------------------------------------------------------------------------
@@ -209,16 +194,17 @@ class CalculixDeck:
         pieces = self.assembly.pieces
         yield f"*NODE, NSET={NODES}"
         for grid in self.grids:
-            for number, steps in enumerate(grid.nodes, start=grid.first_node):
+            for steps, number in grid.nodes.items():
                 yield f"{number}, " + ", ".join(map(printed, grid.place(steps)))
         for index, grid in enumerate(self.grids):
             yield f"*ELEMENT, TYPE=C3D8I, ELSET=P{index}"
-            for number, steps in enumerate(grid.cells, start=grid.first_element):
-                yield f"{number}, " + ", ".join(map(str, grid.corners(steps)))
+            for steps, number in grid.elements.items():
+                corners = (grid.nodes[tuple(map(add, steps, corner))] for corner in CORNERS)
+                yield f"{number}, " + ", ".join(map(str, corners))
         held = [self.grids[i] for i, piece in enumerate(pieces) if piece.fixed]
         yield f"*NSET, NSET={HELD}"
         for grid in held:
-            yield from listed(range(grid.first_node, grid.first_node + len(grid.nodes)))
+            yield from listed(grid.nodes.values())
         if held:
             yield from ("*BOUNDARY", f"{HELD}, 1, 3")
         some = next(piece for piece in pieces if piece.young_Pa is not None)
@@ -254,7 +240,7 @@ class CalculixDeck:
         spans = [grid.span(k, low_m[k], high_m[k]) for k in range(3) if k != axis]
         end = len(grid.lines[axis]) - 2 if high else 0
         spans.insert(axis, range(end, end + 1))
-        return [grid.element(steps) for steps in product(*spans)]
+        return [grid.elements[steps] for steps in product(*spans)]
 
     def _step(self, forces: Forces, share: float) -> Iterator[str]:
         """A step of CalculiX to these forces; ``share``: its first increment."""
@@ -273,11 +259,11 @@ class CalculixDeck:
         """
         node = self.assembly.nodes[number]
         face = self.assembly.faces[node.face]
-        found: dict[int, float] = {}
+        found: dict[int, float] = defaultdict(float)
         for place, share in self._places(number):
             for index, sign in ((face.below, 1.0), (face.above, -1.0)):
                 for grid_node, weight in self.grids[index].weights(place).items():
-                    found[grid_node] = found.get(grid_node, 0.0) + sign * share * weight
+                    found[grid_node] += sign * share * weight
         return found
 
     def _places(self, number: int) -> list[tuple[list[float], float]]:
@@ -323,12 +309,6 @@ def merged(places: Iterable[float], near: float) -> list[float]:
     return found
 
 
-def add(one: Forces, other: Forces) -> None:
-    """Add forces to ``one``."""
-    for place, force in other.items():
-        one[place] = one.get(place, 0.0) + force
-
-
 def spread(grid: Grid, piece: GivenPiece, wrench: Vector, end: tuple[int, bool] | None) -> Forces:
     """Nodal forces of a force and a moment about a piece's centre, spread over a side or all of it.
 
@@ -359,7 +339,7 @@ def spread(grid: Grid, piece: GivenPiece, wrench: Vector, end: tuple[int, bool] 
     middle = plus(centre, arm)
     found: Forces = {}
     for point in product(*along):
-        node = grid.node([step for step, _, _ in point])
+        node = grid.nodes[tuple(step for step, _, _ in point)]
         part = math.prod(share for _, share, _ in point)
         # From the middle to the mean place, weighted by the node's shape function.
         lever = [
