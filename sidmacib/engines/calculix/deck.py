@@ -32,7 +32,6 @@ SIDES = (("S6", "S4"), ("S3", "S5"), ("S1", "S2"))
 FIRST_SHARE = 0.05  # of the first step of the load, in its first increment
 LEAST_FRICTION = 1e-9  # CalculiX wants more than none
 DIGITS = 12  # of printed numbers
-PER_LINE = 8  # numbers
 
 Steps = tuple[int, ...]  # along x, y and z
 Lines = tuple[tuple[float, ...], ...]  # places (m) of grid lines along x, y and z
@@ -202,9 +201,9 @@ class CalculixDeck:
                 corners = (grid.nodes[tuple(map(add, steps, corner))] for corner in CORNERS)
                 yield f"{number}, " + ", ".join(map(str, corners))
         held = [self.grids[i] for i, piece in enumerate(pieces) if piece.fixed]
-        yield f"*NSET, NSET={HELD}"
+        yield f"*NSET, NSET={HELD}, GENERATE"
         for grid in held:
-            yield from listed(grid.nodes.values())
+            yield f"{min(grid.nodes.values())}, {max(grid.nodes.values())}, 1"
         if held:
             yield from ("*BOUNDARY", f"{HELD}, 1, 3")
         some = next(piece for piece in pieces if piece.young_Pa is not None)
@@ -317,34 +316,27 @@ def spread(grid: Grid, piece: GivenPiece, wrench: Vector, end: tuple[int, bool] 
     """
     if not any(wrench):
         return {}
-    size = plus(piece.high_m, piece.low_m, -1.0)
-    size = [0.0 if end and k == end[0] else edge for k, edge in enumerate(size)]
+    size, force = plus(piece.high_m, piece.low_m, -1.0), wrench[:3]
     centre = [(low + high) / 2 for low, high in zip(piece.low_m, piece.high_m, strict=True)]
     arm = [0.0, 0.0, 0.0]  # of the side
+    along = [shares(line) for line in grid.lines]
     if end:
         axis, high = end
+        size[axis] = 0.0
         arm[axis] = (piece.high_m if high else piece.low_m)[axis] - centre[axis]
-    force = list(wrench[:3])
+        along[axis] = [(len(along[axis]) - 1 if high else 0, 1.0, centre[axis] + arm[axis])]
     moment = plus(wrench[3:], cross(arm, force), -1.0)  # about the centre of the side
     turn = [0.0, 0.0, 0.0]
     for k in range(3):
         second = math.fsum(edge**2 for j, edge in enumerate(size) if j != k) / 12
         turn[k] = moment[k] / second if second else 0.0
-    along = []
-    for k, line in enumerate(grid.lines):
-        if end and k == end[0]:
-            along.append([(len(line) - 1 if end[1] else 0, 1.0, 0.0)])
-        else:
-            along.append(shares(line))
     middle = plus(centre, arm)
     found: Forces = {}
     for point in product(*along):
         node = grid.nodes[tuple(step for step, _, _ in point)]
-        part = math.prod(share for _, share, _ in point)
+        part = math.prod(mean for _, mean, _ in point)
         # From the middle to the mean place, weighted by the node's shape function.
-        lever = [
-            0.0 if end and k == end[0] else point[k][2] / point[k][1] - middle[k] for k in range(3)
-        ]
+        lever = [first / mean - m for (_, mean, first), m in zip(point, middle, strict=True)]
         for k, value in enumerate(plus(force, cross(turn, lever))):
             if value:
                 found[node, k + 1] = part * value
@@ -362,13 +354,6 @@ def shares(line: Sequence[float]) -> list[tuple[int, float, float]]:
         first[step] += part * (2 * low + high) / 6
         first[step + 1] += part * (low + 2 * high) / 6
     return [(step, m, f) for step, (m, f) in enumerate(zip(mean, first, strict=True))]
-
-
-def listed(numbers: Iterable[int]) -> Iterator[str]:
-    """``numbers`` on lines that are not too long."""
-    every = list(map(str, numbers))
-    for start in range(0, len(every), PER_LINE):
-        yield ", ".join(every[start : start + PER_LINE]) + ","
 
 
 def printed(value: float) -> str:

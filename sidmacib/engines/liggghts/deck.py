@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import combinations
 
 from ..scripts.assembly import (
     GivenAssembly,
@@ -73,22 +74,11 @@ def patches(assembly: GivenAssembly) -> list[Patch]:
     return [Patch(*key, tuple(nodes)) for key, nodes in found.items()]
 
 
-def pitch(places: Sequence[Vector]) -> float:
-    """Least distance between two of ``places`` (m); inf if there are fewer."""
-    ordered, least = sorted(map(tuple, places)), math.inf
-    for number, one in enumerate(ordered):
-        for other in ordered[number + 1 :]:
-            if other[0] - one[0] >= least:
-                break
-            least = min(least, math.dist(one, other))
-    return least
-
-
 def flat_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float) -> list[float]:
     """Radius of the large spheres of each patch (m), at most ``largest``.
 
-    From the small spheres of other nodes they have a gap of pitch^2 / (2 radius): twice what the
-    face is pressed together by the largest strength of a face, or, where only gravity turns, by
+    From the small spheres of nodes at the pitch they have a gap of pitch^2 / (2 radius): twice what
+    the face is pressed together by the largest strength of a face, or, where only gravity turns, by
     `TURNED` times what always acts.
     """
     area = [0.0] * len(assembly.faces)
@@ -100,7 +90,8 @@ def flat_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float) 
     for patch in every:
         stiffness = assembly.faces[patch.face].material.normal_stiffness
         pressed = force / (stiffness * area[patch.face])
-        apart = pitch([assembly.nodes[node].position_m for node in patch.nodes])
+        pairs = combinations((assembly.nodes[node].position_m for node in patch.nodes), 2)
+        apart = min((math.dist(*pair) for pair in pairs), default=math.inf)
         result.append(min(largest, apart**2 / (4 * pressed)))
         if result[-1] < LEAST_FLAT * pressed:
             name = assembly.faces[patch.face].name
@@ -358,33 +349,28 @@ class LiggghtsDeck:
 
     def _bodies(self) -> Iterator[str]:
         """The rigid bodies, and the variables of their motion."""
-        pieces, free = self.assembly.pieces, self.assembly.free
         yield BODIES
         yield "thermo 1000000"
         yield "thermo_modify lost error"
-        for number, piece in enumerate(free, start=1):
-            for axis in (1, 2, 3):  # the net force, but for the drag
-                drag = f"v_load_drag*{pieces[piece].mass_kg!r}*f_bodies[{number}][{3 + axis}]"
-                yield f"variable f{number}_{axis} equal f_bodies[{number}][{6 + axis}]+{drag}"
-            for atom in self.atoms.handles[piece]:
-                for name in "xyz":
-                    yield f"variable p{atom}_{name} equal {name}[{atom}]"
+        for name, formula in (*self.forces.items(), *self.places.items()):
+            yield f"variable {name} equal {formula}"
         # The last of all: a variable that is set anew moves there, and fixes know them by number.
         yield "variable load equal 0.0"  # N
         yield f"variable load_drag equal {self.drag!r}"  # 1/s
         yield from self.pull()
 
     @cached_property
-    def place_variables(self) -> list[str]:
-        """Names of the variables that hold the handles' positions, 18 of each free piece."""
-        return [
-            f"p{atom}_{axis}"
-            for piece in self.assembly.free
-            for atom in self.atoms.handles[piece]
-            for axis in "xyz"
-        ]
+    def places(self) -> dict[str, str]:
+        """Formulas of variables by name: positions of the handles, 18 for each free piece."""
+        handles = [atom for piece in self.assembly.free for atom in self.atoms.handles[piece]]
+        return {f"p{atom}_{name}": f"{name}[{atom}]" for atom in handles for name in "xyz"}
 
     @cached_property
-    def force_variables(self) -> list[str]:
-        """Names of the variables that hold the unbalanced force of each free piece."""
-        return [f"f{n}_{axis}" for n in range(1, len(self.assembly.free) + 1) for axis in (1, 2, 3)]
+    def forces(self) -> dict[str, str]:
+        """Formulas of variables by name: the net force, but for the drag, on each free piece."""
+        masses = [repr(self.assembly.pieces[piece].mass_kg) for piece in self.assembly.free]
+        return {
+            f"f{n}_{k}": f"f_bodies[{n}][{6 + k}]+v_load_drag*{mass}*f_bodies[{n}][{3 + k}]"
+            for n, mass in enumerate(masses, start=1)
+            for k in (1, 2, 3)
+        }

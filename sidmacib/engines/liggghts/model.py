@@ -195,7 +195,7 @@ class LiggghtsModel:
     # --- measurements ----------------------------------------------------------------------------
     def _placed(self) -> dict[int, Placement]:
         """Placement of each free piece."""
-        values, pieces = self.engine.values(self.deck.place_variables), self.assembly.pieces
+        values, pieces = self.engine.values(self.deck.places), self.assembly.pieces
         return {
             piece: Placement(
                 pieces[piece].centre_m, self.deck.reach[piece], values[18 * k : 18 * k + 18]
@@ -215,7 +215,7 @@ class LiggghtsModel:
 
     def unbalanced_ratio(self, load: float) -> float:
         """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
-        values = self.engine.values(self.deck.force_variables)
+        values = self.engine.values(self.deck.forces)
         total = math.fsum(map(length, zip(values[::3], values[1::3], values[2::3], strict=True)))
         return total / len(self.assembly.free) / max(load, self.assembly.permanent_N)
 

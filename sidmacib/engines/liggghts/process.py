@@ -6,7 +6,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import count
 from pathlib import Path
 
@@ -95,7 +95,7 @@ class LiggghtsProcess:
         self.send(f'write_dump all custom now.dump id fx fy fz modify format "{pattern}"')
         return dumped_rows(Path("now.dump").read_text())
 
-    def values(self, names: Sequence[str]) -> list[float]:
+    def values(self, names: Iterable[str]) -> list[float]:
         """Values of variables."""
         text = " ".join("$" + "{" + name + "}" for name in names)
         return printed_values(self.send(f'print "values {text}"'))
