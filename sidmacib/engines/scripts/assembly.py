@@ -45,6 +45,11 @@ class GivenSolid:
     normals: Sequence[Vector]
     edges: Sequence[Vector]
 
+    @cached_property
+    def box(self) -> tuple[Vector, Vector]:
+        """Least and largest coordinates (m) of its corners."""
+        return tuple(map(min, *self.corners_m)), tuple(map(max, *self.corners_m))
+
 
 @dataclass(frozen=True)
 class GivenPiece:
@@ -350,11 +355,5 @@ def utilisation(force: Vector, normal: Vector, law: GivenMaterial, area: float) 
     along = dot(force, normal)
     shear = length(plus(force, normal, -along))
     strengths = (shear, law.cohesion * area), (-along, law.effective_tensile_strength * area)
-    return max(_over(stress, strength) for stress, strength in strengths)
-
-
-def _over(force: float, strength: float) -> float:
-    """A force over its strength; infinite for a force without strength."""
-    if strength:
-        return force / strength
-    return math.inf if force > 0.0 else 0.0
+    used = [part / most if most else math.inf for part, most in strengths if part > 0.0]
+    return max(used, default=0.0)

@@ -30,13 +30,8 @@ def in_private_network() -> tuple[str, ...]:
     return (*PRIVATE_NETWORK, *ENDS_WITH_PARENT, sys.executable, __file__)
 
 
-def raise_loopback() -> None:
-    """Bring up the loopback interface."""
+if __name__ == "__main__":
     with socket.socket() as any_socket:
         flags = struct.pack("16sh14x", b"lo", UP_AND_RUNNING)
         fcntl.ioctl(any_socket, SET_INTERFACE_FLAGS, flags)
-
-
-if __name__ == "__main__":
-    raise_loopback()
     os.execvp(sys.argv[1], sys.argv[1:])

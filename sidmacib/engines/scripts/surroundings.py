@@ -4,10 +4,10 @@ A vertex that passes an edge of the side that it touches leaves its contact to t
 it. Where pieces meet that had no interface, what follows is not known.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from itertools import chain, combinations, product
 
-from .assembly import GivenAssembly, GivenSolid, Node, Vector, cross, dot, length, plus
+from .assembly import GivenAssembly, GivenPiece, GivenSolid, Node, Vector, cross, dot, length, plus
 from .motion import STILL, Fall, PieceMotion, built, moved, spun, way
 from .records import EngineOutcome
 
@@ -146,70 +146,39 @@ def meeting(
     the others are pressed together; where none is, pieces with an interface have not met. Solids
     that are not convex are left out.
     """
-    least = MET * assembly.length_m
-    for one, other in _near(assembly, motions, least):
-        deep = _overlap(one, other, least)
-        if deep <= least or deep <= least + max(
-            0.0, _overlap(one.at_start(), other.at_start(), 0.0)
-        ):
+    least, pieces = MET * assembly.length_m, assembly.pieces
+    solids = [
+        (number, solid, _placed(solid, piece, motion))
+        for number, (piece, motion) in enumerate(zip(pieces, motions, strict=True))
+        for solid in piece.solids
+    ]
+    for (one, before, now), (other, others_before, others_now) in combinations(solids, 2):
+        if one == other or (pieces[one].fixed and pieces[other].fixed):
             continue
-        pair = {one.piece, other.piece}
-        faces = [n for n, face in enumerate(assembly.faces) if {face.below, face.above} == pair]
+        deep = _overlap(now, others_now, least)
+        if deep <= least or deep <= least + max(0.0, _overlap(before, others_before, 0.0)):
+            continue
+        faces = [n for n, f in enumerate(assembly.faces) if {f.below, f.above} == {one, other}]
         nodes = [n for n, node in enumerate(every) if node.face in faces]
         left = [n for n in nodes if n not in lost]
-        pressed = (_pressed(assembly, every[n], motions) for n in left)
+        above = ((every[n], on_flat_side(assembly, every[n], motions)[1]) for n in left)
+        pressed = (-far if node.vertex_above else far for node, far in above)
         if not faces or (left != nodes and deep > least + max(pressed, default=0.0)):
             where = "beyond their interface" if faces else "where they had no interface"
-            first, second = (assembly.pieces[each.piece].name for each in (one, other))
-            return f"{first} meets {second}, {where}"
+            return f"{pieces[one].name} meets {pieces[other].name}, {where}"
     return None
 
 
-def _pressed(assembly: GivenAssembly, node: Node, motions: Sequence[PieceMotion]) -> float:
-    """How far (m) a node's vertex has moved into the flat side."""
-    above = on_flat_side(assembly, node, motions)[1]
-    return -above if node.vertex_above else above
-
-
-class _Placed:
+def _placed(solid: GivenSolid, piece: GivenPiece, motion: PieceMotion) -> GivenSolid:
     """A solid where its piece has moved to."""
-
-    def __init__(
-        self, piece: int, solid: GivenSolid, motion: PieceMotion, assembly: GivenAssembly
-    ) -> None:
-        centre = assembly.pieces[piece].centre_m
-        self.piece, self.solid, self.assembly = piece, solid, assembly
-        self.corners = [plus(c, moved(c, centre, motion)) for c in solid.corners_m]
-        self.normals, self.edges = (
-            [spun(each, motion.rotation) for each in ways] for ways in (solid.normals, solid.edges)
-        )
-        self.low, self.high = (list(map(f, *self.corners)) for f in (min, max))
-
-    def at_start(self) -> "_Placed":
-        """The solid where it was at the start."""
-        return _Placed(self.piece, self.solid, STILL, self.assembly)
+    return GivenSolid(
+        [plus(corner, moved(corner, piece.centre_m, motion)) for corner in solid.corners_m],
+        [spun(normal, motion.rotation) for normal in solid.normals],
+        [spun(edge, motion.rotation) for edge in solid.edges],
+    )
 
 
-def _near(
-    assembly: GivenAssembly, motions: Sequence[PieceMotion], least: float
-) -> Iterator[tuple[_Placed, _Placed]]:
-    """Solids of different pieces, not both fixed, whose boxes overlap by more than ``least``."""
-    placed = [
-        _Placed(number, solid, motions[number], assembly)
-        for number, piece in enumerate(assembly.pieces)
-        for solid in piece.solids
-    ]
-    for one, other in combinations(placed, 2):
-        near = all(
-            min(one.high[axis] - other.low[axis], other.high[axis] - one.low[axis]) > least
-            for axis in range(3)
-        )
-        fixed = all(assembly.pieces[each.piece].fixed for each in (one, other))
-        if near and one.piece != other.piece and not fixed:
-            yield one, other
-
-
-def _overlap(one: _Placed, other: _Placed, enough: float) -> float:
+def _overlap(one: GivenSolid, other: GivenSolid, enough: float) -> float:
     """Least overlap (m) of two solids along any axis that may separate them.
 
     Any that is not above ``enough`` if there is one.
@@ -218,10 +187,13 @@ def _overlap(one: _Placed, other: _Placed, enough: float) -> float:
     across = (
         [part / size for part in axis] for axis in crossed if (size := length(axis)) > PARALLEL
     )
-    least = float("inf")
+    least = min(
+        min(other_high - low, high - other_low)
+        for low, high, other_low, other_high in zip(*one.box, *other.box, strict=True)
+    )
     for axis in chain(one.normals, other.normals, across):
-        a, b = ([dot(corner, axis) for corner in each.corners] for each in (one, other))
-        least = min(least, max(a) - min(b), max(b) - min(a))
         if least <= enough:
             break
+        a, b = ([dot(corner, axis) for corner in each.corners_m] for each in (one, other))
+        least = min(least, max(a) - min(b), max(b) - min(a))
     return least
