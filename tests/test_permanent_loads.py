@@ -47,7 +47,7 @@ from sidmacib.structure.files.loads import PermanentSection, permanent_on
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import Permanent
 from sidmacib.structure.locks import ALL, Condensed, Locks
-from sidmacib.structure.structure import Pair, structure
+from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 from workflow.schema import with_changes
 
@@ -205,7 +205,6 @@ def test_engines_refuse_permanent_loads_beside_gravity_that_turns() -> None:
 
 
 # --- gravity that turns, against theory and under changes that mean nothing ----------------------
-STRONG = FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9)
 Y = (0.0, 1.0, 0.0)
 
 
@@ -252,7 +251,7 @@ def test_a_bond_fails_where_the_weight_along_it_is_its_cohesion_and_friction_hol
 
 
 def test_a_block_that_is_glued_on_hangs_upside_down() -> None:
-    model = structure([GROUND, BLOCK], STRONG)
+    model = structure([GROUND, BLOCK], FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9))
     assert limit_tilt(model, tilting(model, Y)).angle == 180.0
     with pytest.raises(UnboundedError, match="up to 180 degrees"):
         static_tilt(model, tilting(model, Y))
@@ -284,13 +283,10 @@ STACK = [  # each a little further along x and y than the one below
     replace(moved(STONE, Rotation.identity(), k * STEP), name=f"block{k}") for k in range(3)
 ]
 SHAPES = {"stack": [GROUND, *STACK], "arch": arch(9, 0.25), "wedge": notch(1.0, 2.3)}
-MATERIAL = dry(0.4)
 
 
-def both(
-    blocks: list[Block], axis: Vector, special: dict[Pair, FaceMaterial] | None = None
-) -> tuple[float, float]:
-    model = structure(blocks, MATERIAL, special)
+def both(blocks: list[Block], axis: Vector) -> tuple[float, float]:
+    model = structure(blocks, dry(0.4))
     tilt = tilting(model, axis)
     return static_tilt(model, tilt).angle, limit_tilt(model, tilt).angle
 

@@ -11,7 +11,7 @@ from typing import Any
 import click
 import pytest
 from click.testing import CliRunner
-from command_runner import assembly, run
+from command_runner import answers, assembly, run
 from conftest import ROOT, run_study
 from structures import CUBE, DOWN, PUSH, WEIGHT, condensed_keys, example, solved, study
 
@@ -32,8 +32,6 @@ from workflow.cases import structure_cases
 from workflow.configuration import read_study
 from workflow.results.tables import VERDICTS, read_table
 from workflow.schema import with_changes
-
-RETAINING = str(ROOT / "studies/structures/retaining.yaml")
 
 
 def said(path: Path, given: dict[str, Any], *more: str) -> tuple[int, str]:
@@ -170,7 +168,7 @@ def test_the_retaining_wall_slides_where_friction_and_earth_say(tmp_path: Path) 
     weight = 2300 * GRAVITY * 0.5 * (1.0 + 0.9 + 0.8 + 0.7)
     earth = 0.33 * 1800 * GRAVITY * 2.0**2 / 2
     note = tmp_path / "note.html"
-    rows = json.loads(run("assembly", RETAINING, "--format", "json", "--note", str(note)).stdout)
+    rows = answers("assembly", f"{ROOT}/studies/structures/retaining.yaml", "--note", str(note))
     assert [row["governs"] for row in rows] == ["", "", "yes"]
     assert rows[2]["to limit"] == pytest.approx((0.65 * weight - earth) / (0.1 * weight), rel=1e-6)
     words = " ".join(note.read_text().split())

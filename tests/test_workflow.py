@@ -25,8 +25,8 @@ from workflow.threedec import decks
 
 pytestmark = pytest.mark.study
 
-SOFT = {"soft": {"failure": "ductile", "eccentricities": [0]}}
-SMALL = COARSE | {"dem": {"engines": ["yade"]}, "variants": SOFT}
+SMALL = COARSE | {"dem": {"engines": ["yade"]}}
+SMALL["variants"] = {"soft": {"failure": "ductile", "eccentricities": [0]}}
 SOLVED = COARSE | {"eccentricities": [0, 0.5]}
 OF_CASES = ("engine", "solve", "returned")  # rules
 CASES = {"n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion", "n3-mesh0.03-e0a-soft"}
