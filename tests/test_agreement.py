@@ -98,7 +98,7 @@ JOINTS = {
     "pure shear": Settings(locks=3, eccentricity=0.0),
     "one piece": Settings(locks=4, one_piece=True),
     "under pressure": Settings(locks=2, pressure=50.0, eccentricity=0.2),
-    "bonds that fail one by one": Settings(locks=7, eccentricity=1.0),
+    "several peaks": Settings(locks=11, eccentricity=1.0),
 }
 
 
