@@ -17,6 +17,7 @@ from analysis.published import read_published
 from analysis.summary import rule_errors
 from analysis.summary.summary import leading_models, summary
 from analysis.tables import load_errors, winner
+from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import (
     cases_table,
     displacements_at,
@@ -151,6 +152,13 @@ def test_validation_holds_published_and_computed_side_by_side(study, results) ->
     assert rows.loc["weight_lock1_swapped", "published"] == 0.77
     assert math.isnan(rows.loc["weight_lock3", "relative_difference"])
     assert rows.loc["weight_lock3", "absolute_difference"] == pytest.approx(0.5)
+
+
+def test_envelopes_hold_every_option_with_and_without_friction(study) -> None:
+    rows = pd.DataFrame(envelope_rows(study))
+    assert set(rows["option"]) == set(study.sidmacib.options)
+    frictionless = rows[~rows["friction"] & (rows["option"] == "option4")]
+    assert frictionless["torque_Nm"].max() == pytest.approx(0.25 * 0.06 * 720)
 
 
 def test_a_table_reads_as_it_was_written(results, tmp_path: Path) -> None:

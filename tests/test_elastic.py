@@ -337,6 +337,18 @@ def test_gaps_that_open_and_close_are_as_solved_anew() -> None:
         assert np.abs(gaps.opened(which) - anew(matrix, which)).max() < 1e-9
 
 
+def test_more_components_come_last_and_closed() -> None:
+    matrix, old = influence(), COMPONENTS - 6
+    which = np.arange(COMPONENTS) % 3 == 0
+    which[old:] = False
+    gaps = OpenGaps(matrix[:old, :old], np.zeros(old))
+    gaps.opened(which[:old])
+    more = gaps.extended(matrix, np.zeros(COMPONENTS))
+    assert np.abs(more.opened(which) - anew(matrix, which)).max() < 1e-9
+    which[-2:] = True
+    assert np.abs(more.opened(which) - anew(matrix, which)).max() < 1e-9
+
+
 def test_digits_that_a_loose_piece_costs_are_won_back() -> None:
     """Two components that only the floor holds together: open, then closed again."""
     matrix = np.array([[1.0, 1.0, 0.5], [1.0, 1.0, 0.5], [0.5, 0.5, 2.0]])

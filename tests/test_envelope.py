@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
 
+import sidmacib.contact_points.programme as programme_module
 from sidmacib import InfeasibleError, SolverError
 from sidmacib.contact_points import (
     OPTIONS,
@@ -22,7 +23,7 @@ from sidmacib.contact_points import (
     half_rule,
 )
 from sidmacib.contact_points.envelope import envelope, polygon
-from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, pair_loads
+from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, pair_loads, programme
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
 from sidmacib.mechanics.assembly import GRAVITY
 
@@ -242,6 +243,34 @@ def test_forces_at_the_peak_balance_the_upper_block_and_keep_their_bounds(joint:
     assert normal.sum() == pytest.approx(1000.0 + joint.density * GRAVITY * volume)
     assert (np.abs(along) <= joint.dry.friction * normal + 1e-6).all()
     assert (np.abs(across) <= joint.T0 / 2 + 1e-6).all()
+
+
+def test_a_programme_is_made_once_for_a_joint(
+    joint: Joint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, made = Sidmacib(joint, ContactOption.pair(0.123), overload=777.0), []
+    counted = lambda asked: made.append(asked) or programme(asked)  # noqa: E731
+    monkeypatch.setattr(programme_module, "programme", counted)
+    for eccentricity in (0.0, 0.3, -2.0):
+        capacity(model, Direction(eccentricity))
+    assert made == [model]
+
+
+@pytest.mark.parametrize("power", [-6, -1, 1, 6])
+@pytest.mark.parametrize("friction", [False, True])
+def test_strength_far_from_what_presses_gives_the_load_by_hand(power: int, friction: bool) -> None:
+    """Rocking about the last lock, or the locks' strength, decides pure shear."""
+    joint = Joint(3, inner=replace(INNER, cohesion=10.0**power * 8e4))
+    model = Sidmacib(joint, OPTIONS["option4"], friction=friction)
+    upper_locks, body = 2 * joint.h, 3 * joint.H  # volumes over a b
+    centre = (upper_locks * joint.h / 2 + body * (joint.h + joint.H / 2)) / (upper_locks + body)
+    weight = joint.density * GRAVITY * joint.a * joint.b * (upper_locks + body)
+    rocking = (1000.0 + weight) * joint.b / (centre - joint.h / 2)
+    expected = min(3 * joint.T0, rocking)
+    assert capacity(model, PURE_SHEAR).load == pytest.approx(expected, rel=1e-8)
+    if not friction:
+        torque = 3 * joint.T0 * joint.a / 4
+        assert capacity(model, TORSION).torque == pytest.approx(torque, rel=1e-8)
 
 
 @settings(max_examples=15)

@@ -98,6 +98,12 @@ def test_a_script_that_gives_a_reason_is_told_from_one_that_crashes(tmp_path: Pa
     assert not isinstance(error.value, EngineNoAnswerError)
 
 
+def test_a_missing_program_is_named_with_its_package(tmp_path: Path) -> None:
+    engine = replace(ENGINES["yade"], probe="no-such-yade")
+    with pytest.raises(EngineError, match="yade: not installed; on Debian: apt-get install yade"):
+        execute(engine, folder_with(tmp_path, GOOD), 60)
+
+
 # --- however the runner ends, the program ends ---------------------------------------------------
 RUNNER = """
 import sys

@@ -45,6 +45,13 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - variants
 
 
+def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:
+    study = read_study({"samples": {"n3": {"locks": 3}}})
+    figures = figures_of(study)
+    assert figures["shear_stress-n3"].case.name == "n3-mesh0.005-e0a"
+    assert figures["torsion_stress-n3"].case.name == "n3-mesh0.005-e0.5a"
+
+
 def test_what_runs_a_part_of_a_sample_leads_no_figure_and_shows_what_it_has() -> None:
     only = {"yade": {"eccentricities": [0]}, "liggghts": {"meshes": [0.02]}}
     sample = {"locks": 3, "only": only}

@@ -3,10 +3,11 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from conftest import DISTINCT, run_guided
+from conftest import DISTINCT, block_on_ground, load_on_block, run_guided
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import loaded
@@ -14,13 +15,16 @@ from joints import loaded
 from sidmacib import Side, UpperBody
 from sidmacib.engines import Numerics
 from sidmacib.engines.results import read_outcome
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import compliance, equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.newton import friction_rounds
+from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure
 from sidmacib.mechanics.static import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem
@@ -120,6 +124,25 @@ def test_a_joint_without_weight_carries_what_one_of_next_to_none_does() -> None:
     )
     assert found.point.load == pytest.approx(light.point.load, rel=1e-6)
     assert found.mode is light.mode is Mode.BONDS
+
+
+def test_where_a_block_slides_off_the_search_ends_soon(
+    joint: Joint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = block_on_ground(joint, Kind.DRY, 0.02)
+    plain, counted = EquilibriumSearch.with_given_limits, []
+
+    def counting(*given: Any) -> bool:
+        counted.append(given)
+        return plain(*given)
+
+    monkeypatch.setattr(EquilibriumSearch, "with_given_limits", counting)
+    solver = RigidSolver(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
+    start = solver.start()
+    assert not counted  # Newton's method finds this
+    with pytest.raises(NoEquilibriumError, match="no equilibrium at 100 N"):
+        solver.solve(100.0, start.unknowns, start.state, thorough=True)
+    assert 0 < len(counted) <= 1 + 2 * friction_rounds.IN_A_ROW
 
 
 BY_WEIGHT = Joint(

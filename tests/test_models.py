@@ -2,7 +2,7 @@
 
 import importlib
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import pytest
@@ -84,6 +84,10 @@ def test_a_solved_model_returns_what_its_abilities_promise(name: str) -> None:
     assert (peak.displacement is not None) == (name == "static")
     assert (outcome.first_failure_load is not None) == (Ability.FIRST_FAILURE in model.abilities)
     assert (len(outcome.path) > 1) == (Ability.PROGRESSIVE in model.abilities)
+    smooth = solved(name, Joint(3, dry=replace(Joint(3).dry, friction=0.0))).path[-1].load
+    assert (smooth == pytest.approx(peak.load, rel=1e-6)) is (
+        Ability.FRICTION not in model.abilities
+    )
 
 
 # --- loads that are known not to be carried ------------------------------------------------------

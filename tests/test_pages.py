@@ -10,7 +10,7 @@ from studies.attack.search import MORE, MORE_LOCKS
 from studies.locks.tables import BONDS
 from studies.pages import BLOCK, BLOCKS, elastic_loads, elastic_unsafe, filled
 from studies.published import page as published
-from workflow.results.tables import CASES, VARIANTS, read_table, write_table
+from workflow.results.tables import CAPACITY, CASES, VARIANTS, read_table, write_table
 from workflow.schema import Study
 
 ROOT = Path(__file__).parents[1]
@@ -67,6 +67,18 @@ def test_numbers_of_a_study_are_those_of_its_tables(solved_study: tuple[Study, P
     assert lines[2] == f"| 0 | {loads['n3', 0.0]:.1f} | {loads['n5', 0.0]:.1f} |"
     torsion = (loads["n3", np.inf], loads["n5", np.inf])
     assert lines[4] == f"| torsion | {torsion[0]:.1f} | {torsion[1]:.1f} |"
+
+
+@pytest.mark.study
+def test_slopes_are_those_of_the_curve(solved_study: tuple[Study, Path]) -> None:
+    _, results = solved_study
+    capacity = read_table(CAPACITY, results / "tables" / "capacity.csv")
+    curve = capacity[
+        capacity["model"].eq("static") & capacity["mesh_m"].eq(0.01) & capacity["sample"].eq("n3")
+    ].sort_values("eccentricity_m", ascending=False)
+    slopes = -np.diff(curve["torque_Nm"] / 0.06) / np.diff(curve["shear_N"])
+    row = next(row for row in published.slopes(results).splitlines() if row.startswith("| n3 "))
+    assert row == f"| n3 | {', '.join(f'{slope:.2f}' for slope in slopes)} |"
 
 
 @pytest.mark.study

@@ -215,3 +215,12 @@ def test_the_address_opens_what_was_chosen(browser: Any, report: Path, opened: O
     assert again.evaluate("scrollY") > 0
     assert found.errors == []
     again.close()
+
+
+@needs_browser
+def test_an_address_of_what_is_not_there_opens_the_page(browser: Any, report: Path) -> None:
+    wrong = "#nowhere&sample=q&table-name=q&curve-models-q=true&q=1"
+    found = shown(browser, f"{report.as_uri()}{wrong}")
+    assert found.page.input_value("#sample") in ("n3", "n5")
+    assert found.errors == []
+    found.page.close()

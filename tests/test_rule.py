@@ -261,6 +261,9 @@ def test_more_pairs_never_carry_less_up_to_a_limit(count: int, lag: float, direc
 def test_one_rigid_piece_has_as_many_working_locks_as_pairs() -> None:
     assert Pairs(7, 0.0).working == pytest.approx(7.0)
     assert math.isinf(Pairs(7, 0.0).most)
+    row = Pairs(1, 0.3)  # forces fall by e over the transfer length
+    assert math.exp(-1.0 / row.transfer_length) == pytest.approx(math.exp(-row.decay))
+    assert 2.0 * math.cosh(row.decay) == pytest.approx(2.3)
 
 
 def test_the_published_samples_have_the_working_locks_of_the_chain() -> None:

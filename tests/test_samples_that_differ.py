@@ -9,11 +9,14 @@ from small import SMALL
 
 from analysis.published import comparisons, difference_text, read_published
 from analysis.summary.summary import leading_models, summary
+from analysis.tables.capacity import sidmacib_rows
+from analysis.tables.collect import weights_table
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
+from workflow.schema.sections import PartSection
 
 pytestmark = pytest.mark.study
 
@@ -56,6 +59,17 @@ def test_each_sample_is_fitted_to_models_that_run_on_it(tables: dict[str, pd.Dat
         "n3_fits": {"static"},
     }
     assert leading_models(tables["fit"]) == {"n3": "yade", "n3_fits": "static"}
+
+
+def test_sidmacib_is_fitted_to_no_part_of_a_sample(
+    study: Study, results: list[JointRecord]
+) -> None:
+    part = {"yade": PartSection(eccentricities=(0.0,))}
+    sample = study.samples["n3"].model_copy(update={"only": part})
+    changed = study.model_copy(update={"samples": {**study.samples, "n3": sample}})
+    weights = weights_table(results)
+    rows = pd.DataFrame(sidmacib_rows(changed, weights))
+    assert set(rows[rows["sample"] == "n3"]["weights_from"]) == {"static"}
 
 
 def test_cases_for_the_mesh_error_are_in_no_fit(tables: dict[str, pd.DataFrame]) -> None:
