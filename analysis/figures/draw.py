@@ -10,7 +10,7 @@ from analysis.figures import curves, figures_of, joint, models, style
 from analysis.figures.style import FigureData, Stresses
 from workflow.case import JointCase
 from workflow.results import BATCH_NODES, read_records
-from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, VARIANTS, read_table
+from workflow.results.tables import read_tables
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step
 
@@ -26,7 +26,6 @@ DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
     "stiffness": models.stiffness,
     "fracture_energy": models.fracture_energy,
 }
-KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES, VARIANTS)
 
 
 def stresses_of(case: JointCase, records: Path) -> Stresses | None:
@@ -51,7 +50,7 @@ def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     ``inputs``: the tables, and by a figure's name the records of the case whose stresses it shows.
     """
     study = Study.model_validate_json(arguments["study"])
-    tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
+    tables = read_tables(inputs)
     for name, spec in figures_of(study).items():
         stresses = None
         if spec.case is not None and name in inputs:

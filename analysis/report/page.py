@@ -33,8 +33,7 @@ from sidmacib.scene.page import HERE as SCENE  # shared with the explorer and th
 from sidmacib.scene.page import plotly_js, rendered
 from workflow.case import StructureCase
 from workflow.results import read_times
-from workflow.results import tables as forms
-from workflow.results.tables import read_table
+from workflow.results.tables import read_tables
 from workflow.schema import Study
 from workflow.step import Arguments, Files, step
 
@@ -98,11 +97,7 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     study = None
     if arguments["study"] is not None:
         study = Study.model_validate_json(arguments["study"])
-    tables = {
-        name: read_table(getattr(forms, name.upper()), path)
-        for name, path in inputs.items()
-        if name != "summary"
-    }
+    tables = read_tables(inputs)
     cases = [StructureCase.from_json(text) for text in arguments["cases"]]
     data = content(study, tables, cases, outputs["page"].parent)
     configuration = as_yaml(json.loads(arguments["configuration"]))

@@ -6,6 +6,8 @@ How far each rule for the capacity of a joint is unsafe at most, and where, is f
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -73,71 +75,50 @@ def rule_errors(
 ) -> list[RuleError]:
     """Each rule's error for each sample, rule by rule, against the sample's ``leading`` model.
 
-    ``tables``: fit and capacity. ``mesh``: the one that is compared at (m).
+    Of SiDMACIB by the best safe option of the sample, else the least unsafe. ``tables``: fit and
+    capacity. ``mesh``: the one that is compared at (m).
     """
-    capacity = tables["capacity"]
-    fit = of_leading(tables["fit"], leading, mesh)
+    capacity = tables["capacity"][np.isclose(tables["capacity"]["mesh_m"], mesh)]
+    reference = capacity[capacity["variant"].eq(REFERENCE)].dropna(subset=["load_N"])
+    carried = of_leading(reference, leading, mesh).set_index("case")
+    fit = of_leading(tables["fit"], leading, mesh).reset_index(drop=True)
+    unsafe = fit["largest_unsafe_error"]
+    chosen = fit.assign(unsafe=unsafe > PEAK_ACCURACY)
+    chosen["by"] = unsafe.where(chosen["unsafe"], fit["misfit"])
+    chosen = chosen.sort_values(["unsafe", "by"], kind="stable")
+    chosen = chosen.drop_duplicates(["reduction", "sample"]).sort_index()
     found = []
-    for reduction in tables["fit"]["reduction"].unique():
-        for row in safest(fit[fit["reduction"].eq(reduction)]):
-            error, ratio, mesh_error = least_safe(capacity, row)
-            place = row["sample"], ratio, mesh_error
-            found.append(RuleError(reduction, error, *place, row["option"], bool(row["friction"])))
-    for model in OTHERS:
-        found += _of_model(model, capacity[np.isclose(capacity["mesh_m"], mesh)], leading)
+    for rule in tables["fit"]["reduction"].unique():
+        for row in chosen[chosen["reduction"].eq(rule)].to_dict("records"):
+            same = {name: row[name] for name in ("sample", "reduction", "option", "friction")}
+            same["weights_from"] = row["model"]
+            promised = capacity[np.logical_and.reduce([capacity[k].eq(v) for k, v in same.items()])]
+            friction = bool(row["friction"])
+            found.append(_worst(rule, row["sample"], promised, carried, row["option"], friction))
+    for model, (sample, first) in product(OTHERS, leading.items()):
+        promised = reference[reference["model"].eq(model) & reference["sample"].eq(sample)]
+        if first != model and promised["case"].isin(carried.index).any():
+            found.append(_worst(model, sample, promised, carried))
     return found
+
+
+def _worst(
+    rule: str, sample: str, promised: pd.DataFrame, carried: pd.DataFrame, *how: Any
+) -> RuleError:
+    """The largest error of what is ``promised`` over what is ``carried``, which is by case."""
+    error = (promised.set_index("case")["load_N"] / carried["load_N"] - 1.0).dropna()
+    at = carried.loc[error.idxmax()]
+    place = float(at["eccentricity_over_a"]), float(at["mesh_error"])
+    return RuleError(rule, float(error.max()), sample, *place, *how)
 
 
 def worst_of(errors: Sequence[RuleError]) -> list[RuleError]:
     """The sample with the largest error for each rule, the rules in their order."""
-    rules = dict.fromkeys(error.rule for error in errors)
-    return [
-        max((error for error in errors if error.rule == rule), key=lambda error: error.error)
-        for rule in rules
-    ]
-
-
-def safest(fit: pd.DataFrame) -> Iterator[pd.Series]:
-    """The best safe row of each sample in fits by one rule, else the least unsafe."""
-    for _, sample_rows in fit.groupby("sample", sort=False):
-        safe = sample_rows[sample_rows["largest_unsafe_error"] <= PEAK_ACCURACY]
-        by = "largest_unsafe_error" if safe.empty else "misfit"
-        yield (sample_rows if safe.empty else safe).sort_values(by, kind="stable").iloc[0]
-
-
-def least_safe(capacity: pd.DataFrame, row: pd.Series) -> tuple[float, float, float]:
-    """The largest error of a row of fits, the ratio e / a that has it, and the mesh error there."""
-    same = capacity[capacity["sample"].eq(row["sample"])]
-    same = same[np.isclose(same["mesh_m"], row["mesh_m"])]
-    carried = same[same["model"].eq(row["model"]) & same["variant"].eq(REFERENCE)]
-    promised = same[
-        same["weights_from"].eq(row["model"])
-        & same["reduction"].eq(row["reduction"])
-        & same["option"].eq(row["option"])
-        & same["friction"].eq(row["friction"])
-    ]
-    return _largest(promised, carried)
-
-
-def _of_model(
-    model: str, capacity: pd.DataFrame, leading: Mapping[str, str]
-) -> Iterator[RuleError]:
-    """The error of a model for each sample where it is not the leading one."""
-    here = capacity[capacity["variant"].eq(REFERENCE)].dropna(subset=["load_N"])
-    for sample, first in leading.items():
-        rows = here[here["sample"].eq(sample)]
-        promised, carried = (rows[rows["model"].eq(name)] for name in (model, first))
-        if first == model or not set(promised["case"]) & set(carried["case"]):
-            continue
-        error, ratio, mesh_error = _largest(promised, carried)
-        yield RuleError(model, error, sample, ratio, mesh_error)
-
-
-def _largest(promised: pd.DataFrame, carried: pd.DataFrame) -> tuple[float, float, float]:
-    by_case = carried.set_index("case")
-    error = (promised.set_index("case")["load_N"] / by_case["load_N"] - 1.0).dropna()
-    worst = by_case.loc[error.idxmax()]
-    return float(error.max()), float(worst["eccentricity_over_a"]), float(worst["mesh_error"])
+    largest: dict[str, RuleError] = {}
+    for each in errors:
+        if each.rule not in largest or each.error > largest[each.rule].error:
+            largest[each.rule] = each
+    return [*largest.values()]
 
 
 def direction_words(ratio: float) -> str:
@@ -176,13 +157,46 @@ class Question:
 
 def answers(
     tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
-) -> Iterator[Question]:
+) -> list[Question]:
     """The answers, at the finest ``mesh`` (m); ``leading``: see the summary."""
+    found = _answers(tables, leading, mesh)
+    return [each for each in found if each.answer or each.by_sample]
+
+
+def _answers(
+    tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
+) -> Iterator[Question]:
+    fit, best, published = (
+        of_leading(tables[name], leading, mesh) for name in ("fit", "best_fit", "validation")
+    )
     yield from _half(tables, leading, mesh)
-    yield from _locks(tables["best_fit"], leading, mesh)
+    yield Question(
+        "How many locks, each at full strength, fit the detailed model best?",
+        by_sample={
+            row.sample: f"{row.locks_that_count:.2f}"
+            for row in best[best["friction"].eq(False)].itertuples()
+        },
+        column="best-fit number of locks",
+    )
     yield from _design(of_cases(tables))
-    yield from _option(tables["fit"], leading, mesh)
-    yield from _published(tables["validation"], leading, mesh)
+    winners = [winner(fit, sample, mesh) for sample in fit["sample"].unique()]
+    yield Question(
+        "Which option and rule of SiDMACIB fit the detailed model best?",
+        by_sample={
+            row["sample"]: f"{option_name(row['option'])}, {rule_name(row['reduction'])} "
+            f"({percent(row['misfit'])})"
+            for row in winners
+        },
+        column="best fit of SiDMACIB (misfit)",
+    )
+    yield Question(
+        "How far are computed peaks from published ones?",
+        by_sample={
+            row.sample: f"{100 * float(row.relative_difference):+.2f} %"
+            for row in published[published["quantity"].eq("dem_pure_shear_N")].itertuples()
+        },
+        column="difference from the published peak",
+    )
     yield from _engines(tables["cases"])
     yield from _mesh(tables["capacity"], mesh)
 
@@ -254,15 +268,6 @@ def of_leading(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
     return table[own & np.isclose(table["mesh_m"], mesh)]
 
 
-def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
-    """The number of locks that fits best, which need not be whole."""
-    selected = of_leading(best[best["friction"].eq(False)], leading, mesh)
-    if len(selected):
-        parts = {row.sample: f"{row.locks_that_count:.2f}" for row in selected.itertuples()}
-        question = "How many locks, each at full strength, fit the detailed model best?"
-        yield Question(question, by_sample=parts, column="best-fit number of locks")
-
-
 def _design(capacity: pd.DataFrame) -> Iterator[Question]:
     """Design loads in the first and the last direction of each sample."""
     for model, (what, words) in DESIGN.items():
@@ -279,58 +284,23 @@ def _design(capacity: pd.DataFrame) -> Iterator[Question]:
 
 def _design_loads(loads: pd.DataFrame) -> dict[str, str]:
     """By sample, in words."""
-    parts = {}
-    ratio = "eccentricity_over_a"
+    parts, ratio = {}, "eccentricity_over_a"
     for sample, of_meshes in loads.groupby("sample", sort=False):
         rows = of_meshes.sort_values(ratio, kind="stable").drop_duplicates(ratio)  # all alike
         ends = rows.iloc[[0, -1] if len(rows) > 1 else [0]]
-        if ends["load_N"].isna().all():
-            parts[sample] = "no answer, see below"
-            continue
-        parts[sample] = ", ".join(map(_at, ends.itertuples()))
+        known = ends["load_N"].notna().any()
+        parts[sample] = ", ".join(map(_at, ends.itertuples())) if known else "no answer, see below"
     return parts
 
 
-def _at(row: object) -> str:
+def _at(row: Any) -> str:
     """V of a row in pure shear, M in torsion, both in between; with the direction."""
-    columns = ("eccentricity_over_a", "shear_N", "torque_Nm")
-    ratio, shear, torque = (float(getattr(row, column)) for column in columns)
-    if math.isnan(shear):
-        loads = "no answer"
-    elif math.isinf(ratio):
-        loads = f"M {torque:.4g}"
-    else:
-        loads = f"V {shear:.4g}" + (f" M {torque:.4g}" if ratio else "")
-    return f"{loads} at {direction_words(ratio)}" if ratio and math.isfinite(ratio) else loads
-
-
-def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
-    """The option of SiDMACIB that fits best, with its rule."""
-    selected = of_leading(fit, leading, mesh)
-    rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
-    if rows:
-        parts = {
-            row["sample"]: f"{option_name(row['option'])}, {rule_name(row['reduction'])} "
-            f"({percent(row['misfit'])})"
-            for row in rows
-        }
-        question = "Which option and rule of SiDMACIB fit the detailed model best?"
-        yield Question(question, by_sample=parts, column="best fit of SiDMACIB (misfit)")
-
-
-def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
-    """Differences of the peaks in pure shear from the published ones."""
-    selected = of_leading(table[table["quantity"].eq("dem_pure_shear_N")], leading, mesh)
-    if len(selected):
-        parts = {
-            row.sample: f"{100 * float(row.relative_difference):+.2f} %"
-            for row in selected.itertuples()
-        }
-        yield Question(
-            "How far are computed peaks from published ones?",
-            by_sample=parts,
-            column="difference from the published peak",
-        )
+    ratio = row.eccentricity_over_a
+    if math.isinf(ratio):
+        return "no answer" if math.isnan(row.shear_N) else f"M {row.torque_Nm:.4g}"
+    loads = f"V {row.shear_N:.4g}" + (f" M {row.torque_Nm:.4g}" if ratio else "")
+    loads = "no answer" if math.isnan(row.shear_N) else loads
+    return f"{loads} at {direction_words(ratio)}" if ratio else loads
 
 
 def _engines(cases: pd.DataFrame) -> Iterator[Question]:

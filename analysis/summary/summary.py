@@ -25,17 +25,7 @@ from analysis.tables import winner
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE
-from workflow.results.tables import (
-    BEST_FIT,
-    CAPACITY,
-    CASES,
-    FIT,
-    STRUCTURES,
-    SUPPORTS,
-    VALIDATION,
-    VERDICTS,
-    read_table,
-)
+from workflow.results.tables import read_tables
 from workflow.step import Arguments, Files, step
 
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
@@ -184,23 +174,16 @@ def _models(capacity: pd.DataFrame, mesh: float) -> Iterator[str]:
 
 def _loads(rows: pd.DataFrame, samples: Sequence[str]) -> Iterator[str]:
     """V and M of some samples, one line for each direction."""
-    loads = {
-        (row.sample, row.eccentricity_over_a): (row.shear_N, row.torque_Nm)
-        for row in rows.itertuples()
-    }
     there = [sample for sample in samples if sample in set(rows["sample"])]
     if not there:
         return
     yield f"  {'e/a':<8}" + "".join(f"{sample:>22}" for sample in there)
-    for each in sorted({direction for sample, direction in loads if sample in there}):
-        cells = "".join(_cell(loads.get((sample, each))) for sample in there)
-        yield f"  {'torsion' if np.isinf(each) else f'{each:g}':<8}{cells}".rstrip()
-
-
-def _cell(loads: tuple[float, float] | None) -> str:
-    if loads is None or pd.isna(loads[0]):
-        return f"{'-':>12}{'-':>10}"
-    return f"{loads[0]:>12.5g}{loads[1]:>10.5g}"
+    shown = rows[rows["sample"].isin(there)]
+    for ratio, own in shown.groupby("eccentricity_over_a"):
+        known = own.dropna(subset=["shear_N"]).itertuples()
+        loads = {row.sample: f"{row.shear_N:>12.5g}{row.torque_Nm:>10.5g}" for row in known}
+        cells = "".join(loads.get(sample, f"{'-':>12}{'-':>10}") for sample in there)
+        yield f"  {'torsion' if ratio == np.inf else f'{ratio:g}':<8}{cells}".rstrip()
 
 
 def _refusals(rows: pd.DataFrame) -> Iterator[str]:
@@ -320,8 +303,7 @@ def _change(sample: object, rows: pd.DataFrame) -> str:
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the summary of joints, then that of structures, if there are any."""
-    kinds = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES, STRUCTURES, SUPPORTS, VERDICTS)
-    tables = {k.name: read_table(k, inputs[k.name]) for k in kinds if k.name in inputs}
+    tables = read_tables(inputs)
     results, texts = arguments["results"], []
     if "cases" in tables:
         texts.append(summary(results, tables, arguments["meshes"], arguments["ductile"]))
@@ -333,12 +315,9 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
 
 def check_complete(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
-    count, failed = 0, []
-    for kind, name in ((CASES, "name"), (STRUCTURES, "case")):
-        if kind.name in inputs:
-            cases = read_table(kind, inputs[kind.name])
-            count += len(cases)
-            failed += _failures(cases, name)
+    tables, names = read_tables(inputs), {"cases": "name", "structures": "case"}
+    count = sum(map(len, tables.values()))
+    failed = [line for kind, cases in tables.items() for line in _failures(cases, names[kind])]
     if not failed:
         outputs["mark"].write_text(f"{count} cases\n")
         return None

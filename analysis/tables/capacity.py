@@ -18,7 +18,7 @@ from sidmacib.rule import RULES, LawCapacity
 from sidmacib.rule.reliability import Reliability, resistances
 from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
-from workflow.results.tables import CAPACITY, CASES, ENVELOPES, WEIGHTS, read_table, write_table
+from workflow.results.tables import CAPACITY, ENVELOPES, read_tables, write_tables
 from workflow.schema import Study
 from workflow.step import Arguments, Files, step
 
@@ -166,11 +166,10 @@ def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the capacities and the envelopes."""
-    study = Study.model_validate_json(arguments["study"])
-    cases, weights = read_table(CASES, inputs["cases"]), read_table(WEIGHTS, inputs["weights"])
-    write_table(CAPACITY, capacity_table(study, cases, weights), outputs["capacity"])
+    study, tables = Study.model_validate_json(arguments["study"]), read_tables(inputs)
+    capacity = capacity_table(study, tables["cases"], tables["weights"])
     envelopes = pd.DataFrame(envelope_rows(study), columns=list(ENVELOPES.columns))
-    write_table(ENVELOPES, envelopes, outputs["envelopes"])
+    write_tables({"capacity": capacity, "envelopes": envelopes}, outputs)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from sidmacib.problem import UNKNOWN, MeshErrors
 from workflow.case import REFERENCE
 from workflow.results import read_records
 from workflow.results.joint_part import JointRecord
-from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
+from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_tables
 from workflow.step import Arguments, FileLists, Files, step
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
@@ -121,10 +121,13 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     found = {record.folder: record for record in every}
     records = [found[case] for case in arguments["cases"]]
     weights = weights_table(records)
-    write_table(WEIGHTS, weights, outputs["weights"])
-    write_table(WEIGHT_SUMS, weight_sums(weights), outputs["weight_sums"])
-    write_table(CASES, cases_table(records, every), outputs["cases"])
-    write_table(MODELS, models_table(records, every), outputs["models"])
+    tables = {
+        "weights": weights,
+        "weight_sums": weight_sums(weights),
+        "cases": cases_table(records, every),
+        "models": models_table(records, every),
+    }
+    write_tables(tables, outputs)
 
 
 def errors_of(records: Iterable[JointRecord]) -> dict[str, MeshErrors]:

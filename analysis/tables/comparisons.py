@@ -24,16 +24,14 @@ from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE
 from workflow.results.tables import (
     BEST_FIT,
-    CAPACITY,
     ERRORS,
     FIT,
     MEASURED,
     VALIDATION,
     VARIANTS,
-    WEIGHT_SUMS,
-    WEIGHTS,
     read_table,
-    write_table,
+    read_tables,
+    write_tables,
 )
 from workflow.schema import MeasuredSection, Study
 from workflow.step import Arguments, Files, step
@@ -322,19 +320,19 @@ def measured_table(study: Study, measured: MeasuredSection, capacity: pd.DataFra
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the fits and all comparisons that the study asks for."""
-    study = Study.model_validate_json(arguments["study"])
-    capacity, weights, sums = (
-        read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHTS, WEIGHT_SUMS)
-    )
-    write_table(FIT, fit_table(capacity), outputs["fit"])
+    study, given = Study.model_validate_json(arguments["study"]), read_tables(inputs)
+    capacity = given["capacity"]
+    write_tables({"fit": fit_table(capacity)}, outputs)
     fit = read_table(FIT, outputs["fit"])  # as all others read it
-    write_table(BEST_FIT, best_table(study, capacity), outputs["best_fit"])
-    write_table(VARIANTS, variants_table(study, capacity, sums), outputs["variants"])
-    table = validation_table(study, capacity, weights, fit, read_published())
-    write_table(VALIDATION, table, outputs["validation"])
+    published = validation_table(study, capacity, given["weights"], fit, read_published())
+    tables = {
+        "best_fit": best_table(study, capacity),
+        "variants": variants_table(study, capacity, given["weight_sums"]),
+        "validation": published,
+    }
     if study.measured is not None:
-        table = measured_table(study, study.measured, capacity)
-        write_table(MEASURED, table, outputs["measured"])
+        tables["measured"] = measured_table(study, study.measured, capacity)
+    write_tables(tables, outputs)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ from workflow.results.tables import (
     STRUCTURES,
     SUPPORTS,
     VERDICTS,
-    write_table,
+    write_tables,
 )
 from workflow.step import Arguments, FileLists, Files, step
 
@@ -191,11 +191,14 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables, in the order of the study's cases."""
     found = {record.folder: record for record in read_records(inputs["records"])}
     records = [found[case] for case in arguments["cases"]]
-    write_table(STRUCTURES, structures_table(records), outputs["structures"])
+    tables = {
+        "structures": structures_table(records),
+        "interfaces": interfaces_table(records),
+        "blocks": blocks_table(records),
+    }
     if "verdicts" in outputs:
-        write_table(VERDICTS, verdicts_table(records), outputs["verdicts"])
-    write_table(INTERFACES, interfaces_table(records), outputs["interfaces"])
-    write_table(BLOCKS, blocks_table(records), outputs["blocks"])
+        tables["verdicts"] = verdicts_table(records)
+    write_tables(tables, outputs)
 
 
 def support_rows(cases: Iterable[tuple[StructureSubject, str, bool]]) -> Iterator[dict[str, Any]]:
@@ -230,7 +233,7 @@ def support_rows(cases: Iterable[tuple[StructureSubject, str, bool]]) -> Iterato
 def write_supports(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write that of supports; ``cases``: structure, load, description, variant, and if in YADE."""
     cases = [(StructureSubject(*of), variant, yade) for *of, variant, yade in arguments["cases"]]
-    write_table(SUPPORTS, SUPPORTS.frame(support_rows(cases)), outputs["supports"])
+    write_tables({"supports": SUPPORTS.frame(support_rows(cases))}, outputs)
 
 
 if __name__ == "__main__":

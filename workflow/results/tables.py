@@ -257,6 +257,19 @@ def read_table(table: Table, path: Path) -> pd.DataFrame:
     return rows
 
 
+def read_tables(paths: Mapping[str, Path]) -> dict[str, pd.DataFrame]:
+    """Those of the ``paths`` that are named after a table, read."""
+    forms = {form.name: form for form in TABLES}
+    return {name: read_table(forms[name], path) for name, path in paths.items() if name in forms}
+
+
+def write_tables(tables: Mapping[str, pd.DataFrame], paths: Mapping[str, Path]) -> None:
+    """Write each of the ``tables``, which are by name."""
+    for form in TABLES:
+        if form.name in tables:
+            write_table(form, tables[form.name], paths[form.name])
+
+
 def _require(table: Table, rows: pd.DataFrame) -> None:
     missing = [column for column in table.columns if column not in rows]
     unknown = [column for column in rows if column not in table.columns and not table.more]
