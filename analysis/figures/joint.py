@@ -1,12 +1,12 @@
 """The joint from the side and from below, and maps of the shear stress on its inner faces."""
 
 import math
-from itertools import compress
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
@@ -18,11 +18,12 @@ from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.mechanics.assembly import Rectangle as FaceRectangle
+from sidmacib.mechanics.assembly import Floats
 
 X, Y, Z = range(3)
 TEXT = 8.0  # points, of all that is written in a map
 MOST_ARROWS = 5  # along each side of a face
+MIDDLE = {"ha": "center", "va": "center"}
 PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}  # behind words
 
 
@@ -37,14 +38,9 @@ def joint(material: FigureData) -> Figure:
     sign, start = (1.0, 0.0) if push is Push.PLUS_Y else (-1.0, width)
     beside = sign * 0.3 * MM * drawn.a
     for axes, height, words in ((side, top / 2.0, "V"), (below, beside, "V")):
+        arrow, tail = {"arrowstyle": "-|>", "color": BLACK, "lw": 1.5}, start - sign * 0.22 * width
         axes.annotate(
-            words,
-            (start, height),
-            (start - sign * 0.22 * width, height),
-            arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 1.5},
-            ha="center",
-            va="center",
-            fontsize=9,
+            words, (start, height), (tail, height), arrowprops=arrow, **MIDDLE, fontsize=9
         )
         axes.set_xlim(-0.4 * width, 1.4 * width)
         axes.set_aspect("equal")
@@ -60,12 +56,8 @@ def joint(material: FigureData) -> Figure:
     _size(side, (right, 0.0, MM * drawn.h), f"h = {MM * drawn.h:g}")
     _size(below, (right, -MM * drawn.a / 2.0, MM * drawn.a / 2.0), f"a = {MM * drawn.a:g}")
     _size(below, (start - sign * 0.07 * width, min(0.0, beside), max(0.0, beside)), "e")
-    _name(
-        side,
-        "inner face of lock 1: bonded",
-        (0.5 * centre, MM * drawn.h),
-        (0.5 * centre, 1.5 * top),
-    )
+    first = 0.5 * centre
+    _name(side, "inner face of lock 1: bonded", (first, MM * drawn.h), (first, 1.5 * top))
     _name(side, "inner face of lock 2: bonded", (1.5 * centre, 0.0), (1.5 * centre, 1.6 * bottom))
     _name(side, "dry face", (2.0 * centre, MM * drawn.h / 2.0), (2.6 * centre, 1.5 * top))
     style.caption(
@@ -91,15 +83,8 @@ def _torque(axes: Axes, middle: tuple[float, float], radius: float) -> None:
 
 def _name(axes: Axes, words: str, face: tuple[float, float], place: tuple[float, float]) -> None:
     """A name at ``place`` with a line to the ``face`` that it is of."""
-    axes.annotate(
-        words,
-        face,
-        place,
-        arrowprops={"arrowstyle": "-", "lw": 0.8, "shrinkB": 0},
-        ha="center",
-        va="center",
-        fontsize=8,
-    )
+    line = {"arrowstyle": "-", "lw": 0.8, "shrinkB": 0}
+    axes.annotate(words, face, place, arrowprops=line, **MIDDLE, fontsize=8)
 
 
 def _draw(axes: Axes, joint: Joint, plane: tuple[int, int]) -> None:
@@ -113,15 +98,8 @@ def _draw(axes: Axes, joint: Joint, plane: tuple[int, int]) -> None:
         look = {"facecolor": BLUE if piece.upper else GREY, "edgecolor": BLACK, "lw": 0.6}
         axes.add_patch(Rectangle(corner, *size, **look, alpha=0.3 if piece.lock is None else 0.8))
         if piece.lock is not None:
-            axes.text(
-                corner[0] + size[0] / 2,
-                corner[1] + size[1] / 2,
-                f"{piece.lock}",
-                ha="center",
-                va="center",
-                fontsize=8,
-                bbox=PLATE,
-            )
+            middle = corner[0] + size[0] / 2, corner[1] + size[1] / 2
+            axes.text(*middle, f"{piece.lock}", **MIDDLE, fontsize=8, bbox=PLATE)
     axes.autoscale_view()
 
 
@@ -161,11 +139,8 @@ def stress_map(material: FigureData) -> Figure:
     axes.set_aspect("equal")
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
-    axes.set_xlabel(
-        "y (mm), push from the left"
-        if subject.loading.push is Push.PLUS_Y
-        else "y (mm), push from the right"
-    )
+    side = "left" if subject.loading.push is Push.PLUS_Y else "right"
+    axes.set_xlabel(f"y (mm), push from the {side}")
     axes.set_ylabel("x (mm)")
     axes.set_ylim(-0.55 * MM * joint.a, 1.0 * MM * joint.a)
     axes.set_yticks(np.array([-0.5, 0.0, 0.5]) * MM * joint.a)
@@ -182,31 +157,22 @@ def stress_map(material: FigureData) -> Figure:
     return figure
 
 
-def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
+def _draw_faces(axes: Axes, shown: Stresses) -> QuadMesh:
     joint = shown.case.subject.joint
     strongest = max(joint.inner_of(lock).cohesion for lock in joint.numbers)
-    numbers = lock_faces(joint)
-    faces = {
-        f.name: f for f in assemble(joint, shown.case.subject.mesh).rectangles if f.name in numbers
-    }
-    inner = shown.nodes[shown.nodes["face"].isin(numbers)]
-    magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
-    corners = [
-        each
-        for name, nodes in inner.groupby("face", sort=False)
-        for each in _cells(nodes, faces[str(name)])
-    ]
-    cells = PolyCollection(
-        corners,
-        array=magnitude.to_numpy() / 1e3,
-        cmap="viridis",
-        clim=(0.0, strongest / 1e3),
-    )
-    axes.add_collection(cells)
-    broken = compress(corners, inner["bonded"] == 0)
-    axes.add_collection(PolyCollection(list(broken), facecolor="#bbbbbb"))
-    for face in faces.values():
-        axes.axvline(MM * face.low[1], color="white", linewidth=2)
+    inner = shown.nodes[shown.nodes["face"].isin(lock_faces(joint))].round({"x_m": 12, "y_m": 12})
+    magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"]) / 1e3
+    inner = inner.assign(shear_kPa=magnitude.where(inner["bonded"] != 0))
+    faces = {face.name: face for face in assemble(joint, shown.case.subject.mesh).rectangles}
+    look = {"cmap": mpl.colormaps["viridis"].with_extremes(bad="#bbbbbb"), "vmin": 0.0}
+    for name, nodes in inner.groupby("face", sort=False):
+        cells, face = nodes.pivot(index="x_m", columns="y_m", values="shear_kPa"), faces[str(name)]
+        along, across = (
+            MM * cell_edges(places.to_numpy(), face.low[axis], face.high[axis])
+            for axis, places in ((X, cells.index), (Y, cells.columns))
+        )
+        drawn = axes.pcolormesh(across, along, cells, vmax=strongest / 1e3, **look)
+        axes.axvline(across[0], color="white", linewidth=2)
     thinned = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
     arrows = axes.quiver(
         MM * thinned["y_m"],
@@ -222,33 +188,20 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     )
     arrows.set_in_layout(False)
     axes.set_xlim(0, MM * joint.total_width)
-    return cells
+    return drawn
 
 
 def _thinned(nodes: pd.DataFrame) -> pd.DataFrame:
     """At most `MOST_ARROWS` by as many of a face's nodes, evenly spread."""
     chosen = np.ones(len(nodes), dtype=bool)
     for axis in ("x_m", "y_m"):
-        _, rank = np.unique(nodes[axis].round(12), return_inverse=True)
+        _, rank = np.unique(nodes[axis], return_inverse=True)
         count = int(rank.max()) + 1
         step = -(-count // MOST_ARROWS)
         chosen &= (rank - (count - 1) % step // 2) % step == 0
     return nodes[chosen]
 
 
-def _cells(nodes: pd.DataFrame, face: FaceRectangle) -> list[list[tuple[float, float]]]:
-    """Corners (y, x), in mm, of cells around a face's regular ``nodes``.
-
-    Cells meet half-way between nodes, and end with the face.
-    """
-    spans = []
-    for axis, name in ((1, "y_m"), (0, "x_m")):
-        places, number = np.unique(nodes[name].round(12), return_inverse=True)
-        edges = np.concatenate(
-            [[face.low[axis]], (places[1:] + places[:-1]) / 2, [face.high[axis]]]
-        )
-        spans.append(np.column_stack([edges[number], edges[number + 1]]))
-    return [
-        [(MM * y[i], MM * x[j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
-        for y, x in zip(*spans, strict=True)
-    ]
+def cell_edges(places: Floats, low: float, high: float) -> Floats:
+    """Edges of the cells around regular nodes: half-way between ``places``, and a face's ends."""
+    return np.concatenate([[low], (places[1:] + places[:-1]) / 2, [high]])
