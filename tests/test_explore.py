@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from analysis.explore.pictures import Counted, answers, covered, effects, pictures, which_counts
 from analysis.explore.state import (
     SLIDERS,
+    Checked,
     Settings,
     as_configuration,
     as_python,
     checked,
     compared,
     from_query,
-    query_of,
 )
 from sidmacib import Direction, NodeLayout, law, static_first_failure
 from sidmacib.answers.joint import meshes
@@ -132,9 +132,9 @@ def test_the_law_answers_at_ends_of_a_range_and_not_a_tenth_of_a_slider_beyond(n
 # --- comparison ----------------------------------------------------------------------------------
 def test_a_link_brings_back_what_is_kept_and_notes_what_was_changed_of_it() -> None:
     kept, shown = Settings(locks=9), Settings(a=80.0)
-    found = from_query(query_of(shown, kept), checked)
+    found = from_query(Checked(shown, (), kept).query, checked)
     assert (found.state, found.kept, found.notes) == (shown, kept, ())
-    assert from_query(query_of(shown, Settings()), checked).kept == Settings()
+    assert from_query(Checked(shown, (), Settings()).query, checked).kept == Settings()
     wrong = from_query("kept=locks%3D99%26kept%3Dx", checked)
     assert wrong.kept == Settings(locks=31)
     assert wrong.notes == (

@@ -9,7 +9,7 @@ from chromium import Opened, leaving_in_browser, leaving_in_html, needs_browser
 from explorer import Served, choose, explorer, opened_at, settle
 from playwright.sync_api import Browser, Page, expect
 
-from analysis.explore import app
+from analysis.explore import pictures
 from analysis.explore.examples import EXAMPLES
 from analysis.explore.pictures import Answers
 from analysis.explore.state import SLIDERS, Settings
@@ -92,7 +92,7 @@ def test_a_failed_computation_is_not_shown(opened: Opened, monkeypatch: pytest.M
     page = opened.page
     page.focus("#locks")
     with monkeypatch.context() as patch:
-        patch.setattr(app, "answers", broken)
+        patch.setattr(pictures, "answers", broken)
         page.keyboard.press("ArrowRight")
         expect(page.locator("#problem")).to_contain_text("could not be computed: 500")
         assert page.get_attribute("#answer", "aria-busy") == "true"

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from explorer import Answered, Served
 
-from analysis.explore import app
+from analysis.explore import pictures
 from analysis.explore.examples import (
     EXAMPLES,
     STUDIES,
@@ -230,7 +230,7 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         time.sleep(0.2)
         return Answers(None, {}, "slow")
 
-    monkeypatch.setattr(app, "answers", slow)
+    monkeypatch.setattr(pictures, "answers", slow)
     return found
 
 

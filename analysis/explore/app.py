@@ -3,63 +3,25 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
+from functools import cache, partial
+from itertools import product
 from pathlib import Path
 from threading import Thread
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, NotFound
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
 from analysis.drawing import label_of
-from analysis.explore.examples import (
-    EXAMPLES,
-    STRUCTURE_MODELS,
-    STRUCTURE_SLIDERS,
-    Chosen,
-    checked_choice,
-    defaults,
-)
-from analysis.explore.pictures import (
-    answers,
-    covered,
-    effects,
-    peak,
-    pictures,
-    ratios,
-    results,
-    which_counts,
-)
+from analysis.explore import examples, pictures, state, structures
+from analysis.explore.examples import Chosen
 from analysis.explore.requests import HEADERS, Desk, SupersededError, require_own
-from analysis.explore.state import (
-    SLIDERS,
-    Checked,
-    Figures,
-    Read,
-    Settings,
-    Slider,
-    State,
-    as_configuration,
-    as_python,
-    beside,
-    checked,
-    compared,
-    from_query,
-    query_of,
-)
-from analysis.explore.structures import (
-    OPENED,
-    STAGES,
-    OpenedFiles,
-    SentFile,
-    answered,
-    same,
-    structure_answer,
-)
+from analysis.explore.state import Checked, Read, Settings, Slider
 from sidmacib.errors import CapacityError, ResultError
 from sidmacib.scene.page import HERE as SCENE
 from sidmacib.scene.page import rendered
@@ -67,12 +29,15 @@ from sidmacib.scene.page import rendered
 HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
 PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
-SCRIPT, STYLE = "text/javascript", "text/css"
-FILES = (
-    *((HERE / f"{name}.js", SCRIPT) for name in ("server", "controls", "explore", "structures")),
-    (HERE / "explore.css", STYLE),
-    *((SCENE / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
-)
+KINDS = {".js": "text/javascript", ".css": "text/css"}
+FILES = {
+    f"/{name}": folder / name
+    for folder, names in (
+        (HERE, ("server.js", "controls.js", "explore.js", "structures.js", "explore.css")),
+        (SCENE, ("chart.js", "parts.js", "structure.js")),
+    )
+    for name in names
+}
 # Of the page of a file, which has its scripts in it and asks for pages of other files only.
 POLICY_OF_FILES = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -84,23 +49,22 @@ MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
 FAULTS = (CapacityError, ResultError, ValueError, ArithmeticError, MemoryError)  # of a file
 
+Content = dict[str, Any]
+Turn = Callable[[], AbstractContextManager[None]]
+
 
 class Explorer:
     """The page as a WSGI application."""
 
     def __init__(self) -> None:
-        self._desk = Desk()
-        self._posts: dict[str, Callable[[Request], Any]] = {
-            "/answer": self._answer,
-            "/curve": self._curve,
-            "/structure": self._structure,
-            "/file": self._file,
+        self._desk, self._files = Desk(), structures.OpenedFiles()
+        self._posts: dict[str, tuple[Read[Any], Callable[[Turn, Checked[Any]], Content]]] = {
+            "/answer": (state.checked, self._answer),
+            "/curve": (state.checked, self._curve),
+            "/structure": (examples.checked_choice, self._structure),
+            "/file": (_sent, self._file),
         }
-        self._files = OpenedFiles()
-        self._pages: dict[str, Callable[[str], str]] = {
-            "/": lambda query: page(from_query(query, checked)),
-            "/structures": lambda query: structures_page(from_query(query, checked_choice)),
-        }
+        self._pages = {"/": page, "/structures": structures_page}
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
         """Answer a request; a fault of the request, or of a model, is described in one line."""
@@ -119,122 +83,127 @@ class Explorer:
     def warm_up(self) -> None:
         """Compile the static model before the first request needs it."""
         with self._desk.turn("", 0):
-            answers(Settings())
+            pictures.answers(state.Settings())
         with self._desk.turn("", 0):
-            structure_answer(checked_choice({}).state)
+            structures.structure_answer(examples.checked_choice({}).state)
 
     def _respond(self, request: Request) -> Response:
-        if request.path in self._posts:
+        path = request.path
+        if path in self._posts:
             if request.method != "POST":
                 raise MethodNotAllowed(["POST"])
-            found = self._posts[request.path](request)
+            found = self._posted(request, *self._posts[path])
             return Response(json.dumps(found, allow_nan=False), mimetype="application/json")
         if request.method == "POST":
             raise NotFound(f"A post goes to {' or '.join(self._posts)}.")
-        if request.path in self._pages:
+        if path in self._pages:
             query = request.query_string.decode("ascii", "replace")
-            return Response(self._pages[request.path](query), mimetype="text/html")
-        if request.path == OPENED:
+            return Response(self._pages[path](query), mimetype="text/html")
+        if path == structures.OPENED:
             own = {"Content-Security-Policy": POLICY_OF_FILES}
-            found = self._files.page(request.args)
-            return Response(found, mimetype="text/html", headers=own)
-        if request.path == PLOTLY:
+            return Response(self._files.page(request.args), mimetype="text/html", headers=own)
+        if path == PLOTLY:
             kept = {"Cache-Control": "max-age=86400"}
-            return Response(_plotly(), mimetype=SCRIPT, headers=kept)
-        for file, kind in FILES:
-            if request.path == f"/{file.name}":
-                return Response(file.read_bytes(), mimetype=kind)
+            return Response(_plotly(), mimetype=KINDS[".js"], headers=kept)
+        if path in FILES:
+            return Response(FILES[path].read_bytes(), mimetype=KINDS[FILES[path].suffix])
         raise NotFound(f"There are {len(self._pages)} pages, {' and '.join(self._pages)}.")
 
-    def _answer(self, request: Request) -> dict[str, Any]:
+    def _posted(
+        self, request: Request, read: Read[Any], answer: Callable[[Turn, Checked[Any]], Content]
+    ) -> Content:
+        """The ``answer`` to the values in a request, ``read``; `BadRequest` if it has none."""
+        try:
+            sent = _Post.model_validate(json.loads(request.get_data(cache=False)), strict=True)
+        except (ValueError, RecursionError):
+            words = "A post must have page, number and values, as this page sends."
+            raise BadRequest(words) from None
+        given = state.read_both(read, sent.values, sent.kept)
+        found = answer(partial(self._desk.turn, sent.page, sent.number), given)
+        if "link" in found:
+            found["link"] = f"{request.host_url}{found['link']}".rstrip("?")
+        return {"number": sent.number, "notes": list(given.notes), **found}
+
+    def _answer(self, turn: Turn, given: Checked[Settings]) -> Content:
         """The answer that follows the sliders at once."""
-        asked, given = _asked(request, checked)
-        state = given.state
-        with self._desk.turn(*asked.turn):
-            found = [answers(each) for each in given.states]
+        shown = given.state
+        with turn():
+            found = [pictures.answers(each) for each in given.states]
         both = [*zip(given.states, found, strict=True)]
-        (drawn, *kept), told = ([of(*each) for each in both] for of in (pictures, results))
+        drawn, *kept = (pictures.pictures(*each) for each in both)
         return {
-            **asked.echo(given),
-            "values": state.values,
+            "values": shown.values,
             "words": found[0].words,
             **drawn,
             "kept": {"words": found[1].words, "marks": kept[0]["marks"]} if kept else None,
-            "comparison": _compared(given, told),
-            "yaml": as_configuration(state),
-            "python": as_python(state),
-            "link": _link(request, "", given),
+            "comparison": given.comparison([pictures.results(*each) for each in both]),
+            "yaml": state.as_configuration(shown),
+            "python": state.as_python(shown),
+            "link": f"?{given.query}",
         }
 
-    def _curve(self, request: Request) -> dict[str, Any]:
+    def _curve(self, turn: Turn, given: Checked[Settings]) -> Content:
         """The curve, which takes as long as all else for each of its directions."""
-        asked, given = _asked(request, checked)
-        state, lines, counted, told = given.state, [], [], []
+        shown, lines, counted, told = given.state, [], [], []
         for each in given.states:
             points = []
-            for ratio in ratios(each):
-                with self._desk.turn(*asked.turn):
-                    points.append(peak(each.joint, ratio))
-            with self._desk.turn(*asked.turn):
-                counted.append(which_counts(each))
-                told.append(results(each, answers(each), counted[-1]))
+            for ratio in pictures.ratios(each):
+                with turn():
+                    points.append(pictures.peak(each.joint, ratio))
+            with turn():
+                counted.append(pictures.which_counts(each))
+                told.append(pictures.results(each, pictures.answers(each), counted[-1]))
             known = [point for point in points if point is not None]
             lines.append({name: [getattr(p, name) for p in known] for name in ("shear", "torque")})
-        with self._desk.turn(*asked.turn):
-            pulls = effects(state)
+        with turn():
+            pulls = pictures.effects(shown)
         return {
-            **asked.echo(given),
-            "values": state.values,
+            "values": shown.values,
             **lines[0],
             "kept": {**lines[1], "name": given.kept.name} if given.kept else None,
-            "comparison": _compared(given, told),
+            "comparison": given.comparison(told),
             "spread": counted[0].legend,
             "counts": counted[0].words,
-            "covered": covered(state),
+            "covered": pictures.covered(shown),
             "effects": pulls,
         }
 
-    def _structure(self, request: Request) -> dict[str, Any]:
+    def _structure(self, turn: Turn, given: Checked[Chosen]) -> Content:
         """The answer to choices of the other page; a newer request ends it between stages."""
-        asked, given = _asked(request, checked_choice)
-        chosen = given.state
-        for each in given.states:
-            for stage in STAGES:
-                with self._desk.turn(*asked.turn):
-                    stage(same(each))
-        with self._desk.turn(*asked.turn):
-            found = structure_answer(chosen)
-            both = [answered(same(each)) for each in given.states]
+        same = [structures.same(each) for each in given.states]
+        for each, stage in product(same, structures.STAGES):
+            with turn():
+                stage(each)
+        with turn():
+            found = structures.structure_answer(given.state)
+            both = [structures.answered(each) for each in same]
         return {
-            **asked.echo(given),
             **found,
-            "values": dict(chosen.values),
+            "values": dict(given.state.values),
             "kept": {"words": both[1].views.answer} if both[1:] else None,
-            "comparison": _compared(given, [each.carried for each in both]),
-            "link": _link(request, "structures", given),
+            "comparison": given.comparison([each.carried for each in both]),
+            "link": f"structures?{given.query}",
         }
 
-    def _file(self, request: Request) -> dict[str, Any]:
+    def _file(self, turn: Turn, given: Checked["_Sent"]) -> Content:
         """The address of the page of a file that was sent, or what is wrong with it, in a line."""
-        asked, given = _asked(request, _sent)
         try:
-            with self._desk.turn(*asked.turn):
-                page = self._files.opened(given.state.files, given.state.kept)
+            with turn():
+                return {"page": self._files.opened(*given.state), "error": None}
         except FAULTS as error:
-            return {**asked.echo(given), "page": None, "error": " ".join(str(error).split())}
-        return {**asked.echo(given), "page": page, "error": None}
+            return {"page": None, "error": " ".join(str(error).split())}
 
 
-class _Sent(BaseModel):
+class _Sent(NamedTuple):
     """Files, and the number of the one that they are compared with, 0 for none."""
 
-    files: list[SentFile]
+    files: list[structures.SentFile]
     kept: int = 0
 
 
 def _sent(values: Mapping[str, object]) -> Checked[_Sent]:
     try:
-        return Checked(_Sent.model_validate(values), ())
+        return Checked(TypeAdapter(_Sent).validate_python(values), ())
     except ValidationError:
         raise BadRequest(
             "files must be a list of objects with name and data in base64, "
@@ -250,53 +219,24 @@ class _Post(BaseModel):
     values: dict[str, Any]
     kept: dict[str, Any] | None = None
 
-    @property
-    def turn(self) -> tuple[str, int]:
-        """The page and the number that it waits with."""
-        return self.page, self.number
 
-    def echo(self, found: Checked[Any]) -> dict[str, Any]:
-        """The beginning of each answer: the request's number, and changes made to it."""
-        return {"number": self.number, "notes": list(found.notes)}
-
-
-def _asked(request: Request, read: Read[State]) -> tuple[_Post, Checked[State]]:
-    """The request's JSON, and its values by ``read``; `BadRequest` for any other."""
-    try:
-        sent = _Post.model_validate(json.loads(request.get_data(cache=False)), strict=True)
-    except (ValueError, RecursionError):
-        raise BadRequest("A post must have page, number and values, as this page sends.") from None
-    kept = None if sent.kept is None else read(sent.kept)
-    return sent, beside(read(sent.values), kept)
-
-
-def _compared(found: Checked[Any], told: Sequence[Figures]) -> list[list[Any]]:
-    """Lines of the comparison with what is kept; none if nothing is."""
-    if found.kept is None:
-        return []
-    shown, kept = told
-    return compared((found.state.told, found.kept.told), (shown, kept))
-
-
-def _link(request: Request, path: str, found: Checked[Any]) -> str:
-    query = query_of(found.state, found.kept)
-    return f"{request.host_url}{path}?{query}".rstrip("?")
-
-
-def page(link: Checked[Settings]) -> str:
-    """The page of a joint as HTML, with the sliders as ``link`` has them."""
+def page(query: str) -> str:
+    """The page of a joint as HTML, with the sliders as the ``query`` of a link has them."""
+    link = state.from_query(query, state.checked)
     kept = link.kept and link.kept.values
-    return _rendered("joint", SLIDERS, link, values=link.state.values, kept=kept)
+    return _rendered("joint", state.SLIDERS, link, values=link.state.values, kept=kept)
 
 
-def structures_page(link: Checked[Chosen]) -> str:
-    """The page of structures as HTML, with the sliders as ``link`` has them."""
+def structures_page(query: str) -> str:
+    """The page of structures as HTML, with the sliders as the ``query`` of a link has them."""
+    link = state.from_query(query, examples.checked_choice)
+    known, models = examples.EXAMPLES, examples.STRUCTURE_MODELS
     return _rendered(
         "structures",
-        STRUCTURE_SLIDERS,
+        examples.STRUCTURE_SLIDERS,
         link,
-        examples={name: (each, defaults(name)) for name, each in EXAMPLES.items()},
-        models={name: label_of(name).name for name in STRUCTURE_MODELS},
+        examples={name: (each, examples.defaults(name)) for name, each in known.items()},
+        models={name: label_of(name).name for name in models},
         chosen=link.state,
         values=dict(link.state.values),
         kept=link.kept and link.kept.chosen,

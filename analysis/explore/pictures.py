@@ -3,8 +3,8 @@
 Sliders show the ranges that law and safe rule were tested in, and effects on the first failure.
 """
 
-import math
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -37,21 +37,12 @@ PRESSURE = Field("pressure", ("hold_down.amount",), "Pa")
 
 
 @dataclass(frozen=True)
-class Share:
-    """A lock by number, its block, and what it carries over its strength."""
-
-    lock: int
-    block: str
-    weight: float
-
-
-@dataclass(frozen=True)
 class Peak:
-    """A load along a direction: shear (N), torque (N m), shares of the locks."""
+    """A load along a direction: shear (N), torque (N m), weights of the locks by number."""
 
     shear: float
     torque: float
-    shares: tuple[Share, ...]
+    weights: dict[int, float]
 
 
 @dataclass(frozen=True)
@@ -86,9 +77,9 @@ def peak(joint: Joint, ratio: float) -> Peak | None:
         assembly, solution = quick_path(joint, Loading(direction))
     except CapacityError:
         return None
-    load, weights = float(solution.peak.load), lock_weights(joint, assembly, solution.peak.force)
-    shares = tuple(Share(each.lock, each.block, each.weight) for each in weights)
-    return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
+    found = lock_weights(joint, assembly, solution.peak.force)
+    weights = {each.lock: each.weight for each in found}
+    return _peak(joint, direction, float(solution.peak.load), weights)
 
 
 def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
@@ -97,11 +88,13 @@ def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
         state = first_failure(joint, Loading(direction))
     except (CapacityError, ValueError):
         return None
-    shares = tuple(
-        Share(lock, "upper" if joint.is_upper(lock) else "lower", math.hypot(x, y) / joint.T0)
-        for lock, x, y in zip(joint.numbers, state.force_x, state.force_y, strict=True)
-    )
-    return Peak(state.load * direction.shear, state.load * direction.torque * joint.a, shares)
+    weights = np.hypot(state.force_x, state.force_y) / joint.T0
+    own = dict(zip(joint.numbers, weights.tolist(), strict=True))
+    return _peak(joint, direction, state.load, own)
+
+
+def _peak(joint: Joint, direction: Direction, load: float, weights: dict[int, float]) -> Peak:
+    return Peak(load * direction.shear, load * direction.torque * joint.a, weights)
 
 
 def which_counts(state: Settings) -> Counted:
@@ -128,24 +121,23 @@ def which_counts(state: Settings) -> Counted:
 
 def answers(state: Settings) -> Answers:
     """Peak, law and safe rule at the chosen eccentricity; refusals become words."""
-    joint, ratio = state.joint, state.eccentricity
-    found = peak(joint, ratio)
-    rigid = joint.elastic is None
-    kind = "peak" if rigid else "first failure"
-    nothing = "nothing carries the load." if rigid else "no first failure is known."
-    words = f"{joint.locks} locks, e = {ratio:g} a: " + (
-        nothing if found is None else f"{kind} at {_in_words(found)}"
-    )
+    joint, direction = state.joint, Direction(state.eccentricity)
+    found, rigid = peak(joint, state.eccentricity), joint.elastic is None
+    if found is None:
+        told = "nothing carries the load." if rigid else "no first failure is known."
+    else:
+        told = f"{'peak' if rigid else 'first failure'} at {_in_words(found)}"
+    words = f"{joint.locks} locks, e = {state.eccentricity:g} a: {told}"
     rules: dict[str, LawCapacity] = {}
     try:
         for name, rule in RULES.items():
-            rules[name] = rule(joint, Direction(ratio))
+            rules[name] = rule(joint, direction)
     except (CapacityError, ValueError) as error:
         return Answers(found, rules, f"{words} No safe rule: {error}.")
     words += f" Safe: {_in_words(rules['safe'])}"
     try:
         for name, resistance in resistances(state.reliability).items():
-            rules[name] = resistance(joint, Direction(ratio))
+            rules[name] = resistance(joint, direction)
             words += f" {name.capitalize()} resistance: {_in_words(rules[name])}"
     except (CapacityError, ValueError) as error:
         words += f" No resistance: {error}."
@@ -186,6 +178,7 @@ def ratios(state: Settings) -> tuple[float, ...]:
 def pictures(state: Settings, results: Answers) -> dict[str, Any]:
     """Drawings of the page: points in the V-M plane, weights, the joint from the side (mm)."""
     name = "static" if state.joint.elastic is None else "law"
+    blocks = {True: "upper", False: "lower"}
     return {
         "curve": {
             "name": _curve(state),
@@ -203,12 +196,15 @@ def pictures(state: Settings, results: Answers) -> dict[str, Any]:
             }
             for name, rule in results.rules.items()
         ],
-        "shares": [asdict(share) for share in (results.peak.shares if results.peak else ())],
+        "shares": [
+            {"lock": lock, "block": blocks[state.joint.is_upper(lock)], "weight": weight}
+            for lock, weight in (results.peak.weights if results.peak else {}).items()
+        ],
         "colours": {"upper": BLUE, "lower": GREY},
         "pieces": [
             {
                 "lock": piece.lock,
-                "block": "upper" if piece.upper else "lower",
+                "block": blocks[piece.upper],
                 "low": piece.low[1:],
                 "high": piece.high[1:],
             }
@@ -229,18 +225,14 @@ def covered(state: Settings) -> dict[str, tuple[float, float] | None]:
         steps = round((slider.most - slider.least) / slider.step)
         places = np.unique(np.linspace(0, steps, min(MOST_VALUES, steps + 1)).round())
         values = [round(slider.least + float(place) * slider.step, 9) for place in places]
-        inside = [value for value in values if _is_covered(state, name, value)]
+        inside = []
+        for value in values:
+            changed = replace(state, **{name: int(value) if name == "locks" else value})
+            with suppress(ValueError):
+                require_covered(changed.joint)
+                inside.append(value)
         found[name] = (inside[0], inside[-1]) if inside else None
     return found
-
-
-def _is_covered(state: Settings, name: str, value: float) -> bool:
-    changed = replace(state, **{name: int(value) if name == "locks" else value})
-    try:
-        require_covered(changed.joint)
-    except ValueError:
-        return False
-    return True
 
 
 def effects(state: Settings) -> dict[str, str]:

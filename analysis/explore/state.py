@@ -4,7 +4,7 @@ The same joint is given as a configuration, as Python and as a link.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, make_dataclass
 from typing import Any, Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
@@ -127,7 +127,7 @@ class Settings(_VALUES):
         return urlencode({k: f"{v:g}" for k, v in self.values.items() if v != first[k]})
 
 
-State = TypeVar("State")
+State = TypeVar("State", bound=Any)
 
 
 @dataclass(frozen=True)
@@ -145,6 +145,21 @@ class Checked(Generic[State]):
     def states(self) -> tuple[State, ...]:
         """The state, and the one that is kept, if there is one."""
         return (self.state,) if self.kept is None else (self.state, self.kept)
+
+    @property
+    def query(self) -> str:
+        """The query of a link to the state, beside the one that is kept."""
+        shown: Any = self.state
+        kept: Any = self.kept
+        beside = "" if kept is None else urlencode({KEPT: kept.query})
+        return "&".join(filter(None, (shown.query, beside)))
+
+    def comparison(self, results: Sequence[Figures]) -> list[list[Any]]:
+        """`compared` with what is kept, by the ``results`` of both; no line if nothing is."""
+        if self.kept is None:
+            return []
+        shown, kept = self.states
+        return compared((shown.told, kept.told), (results[0], results[1]))
 
 
 Read = Callable[[Mapping[str, object]], Checked[State]]
@@ -183,12 +198,8 @@ def nearest_values(
 
 def _number(value: object) -> float | None:
     """A number, infinite if it is too large; None if ``value`` is none."""
-    if not isinstance(value, str | int | float):
-        return None
     try:
-        number = float(value)
-    except OverflowError:
-        return math.inf if int(value) > 0 else -math.inf
+        number = float(str(value)) if isinstance(value, str | int | float) else math.nan
     except ValueError:
         return None
     return None if math.isnan(number) else number
@@ -201,25 +212,23 @@ def in_note(value: object) -> str:
     return f"'{text}'" if len(text) <= SHORT else f"'{text[:SHORT]}…'"
 
 
-def query_of(shown: Any, kept: Any) -> str:
-    """The query of a link to the state that is shown, beside that which is ``kept``, if any is."""
-    beside = "" if kept is None else urlencode({KEPT: kept.query})
-    return "&".join(filter(None, (shown.query, beside)))
-
-
 def from_query(query: str, read: Read[State]) -> Checked[State]:
     """What the query of a link shows and keeps; ``read``: as for values that are posted."""
     given = dict(parse_qsl(query.lstrip("?"), keep_blank_values=True))
     kept = given.pop(KEPT, None)
-    there = None if kept is None else read(dict(parse_qsl(kept, keep_blank_values=True)))
-    return beside(read(given), there)
+    there = None if kept is None else dict(parse_qsl(kept, keep_blank_values=True))
+    return read_both(read, given, there)
 
 
-def beside(found: Checked[State], kept: Checked[State] | None) -> Checked[State]:
-    """What was ``found``, beside what is ``kept``."""
+def read_both(
+    read: Read[State], given: Mapping[str, object], kept: Mapping[str, object] | None
+) -> Checked[State]:
+    """What is ``given``, beside what is ``kept``, if anything is."""
+    found = read(given)
     if kept is None:
         return found
-    return Checked(found.state, (*found.notes, *(f"Kept: {n}" for n in kept.notes)), kept.state)
+    there = read(kept)
+    return Checked(found.state, (*found.notes, *(f"Kept: {n}" for n in there.notes)), there.state)
 
 
 # Fields of a joint that sliders set; the tensile strength is set with the cohesion.
@@ -236,32 +245,30 @@ def _given(joint: Joint, part: str, sign: str) -> str:
 def as_configuration(state: Settings) -> str:
     """A study of the joint, as YAML, on the meshes of the page."""
     joint = state.joint
+    elastic = f"\n  {_given(joint, 'elastic', ': ')}" if joint.elastic else ""
     hold = f"{{pressure: {1e3 * state.pressure:g}}}" if state.pressure else "plate"
-    lines = [
-        "samples:",
-        f"  mine: {{locks: {state.locks}}}",
-        f"geometry: {{{_given(joint, '', ': ')}}}",
-        "materials:",
-        *([f"  {_given(joint, 'elastic', ': ')}"] if joint.elastic else []),
-        f"  inner: {{{_given(joint, 'inner', ': ')}}}",
-        f"  dry: {{{_given(joint, 'dry', ': ')}}}",
-        f"assembly: {{upper_body: {joint.upper_body}, hold_down: {hold}"
-        f"{', pieces: elastic' if state.young else ''}}}",
-        f"meshes: [{', '.join(f'{mesh:g}' for mesh in meshes(joint))}]",
-        f"nodes: {NodeLayout.LOBATTO}",
-        f"eccentricities: [0, {state.eccentricity:g}, torsion]"
-        if state.eccentricity
-        else "eccentricities: [0, torsion]",
-        "models: [static, law, safe]",
-        "dem: {engines: []}",
-        "sidmacib: {reductions: [none, lower_sum]}",
-    ]
-    return "\n".join(lines) + "\n"
+    pieces = ", pieces: elastic" if state.young else ""
+    chosen = f"{state.eccentricity:g}, " if state.eccentricity else ""
+    return f"""samples:
+  mine: {{locks: {state.locks}}}
+geometry: {{{_given(joint, "", ": ")}}}
+materials:{elastic}
+  inner: {{{_given(joint, "inner", ": ")}}}
+  dry: {{{_given(joint, "dry", ": ")}}}
+assembly: {{upper_body: {joint.upper_body}, hold_down: {hold}{pieces}}}
+meshes: [{", ".join(f"{mesh:g}" for mesh in meshes(joint))}]
+nodes: {NodeLayout.LOBATTO}
+eccentricities: [0, {chosen}torsion]
+models: [static, law, safe]
+dem: {{engines: []}}
+sidmacib: {{reductions: [none, lower_sum]}}
+"""
 
 
 def as_python(state: Settings) -> str:
     """The joint as Python."""
-    joint = state.joint
+    joint, reliability = state.joint, state.reliability
+    imported = "\nfrom sidmacib import UpperBody" if state.one_piece else ""
     given = [f"{state.locks}", _given(joint, "", "="), "inner=inner", "dry=dry"]
     if joint.elastic:
         given.append(f"elastic=sidmacib.Elastic({joint.elastic.young:g})")
@@ -269,30 +276,21 @@ def as_python(state: Settings) -> str:
         given.append("upper_body=UpperBody.MONOLITHIC")
     if state.pressure:
         given.append(f"hold_down=sidmacib.HoldDown.pressure({1e3 * state.pressure:g})")
-    return "\n".join(
-        [
-            "from dataclasses import replace",
-            "import sidmacib",
-            *(["from sidmacib import UpperBody"] if state.one_piece else []),
-            "",
-            f"inner = replace(sidmacib.Joint(3).inner, {_given(joint, 'inner', '=')})",
-            f"dry = replace(sidmacib.Joint(3).dry, {_given(joint, 'dry', '=')})",
-            f"joint = sidmacib.Joint({', '.join(given)})",
-            f"direction = sidmacib.Direction({state.eccentricity:g})",
-            "print(sidmacib.law(joint, direction), sidmacib.safe(joint, direction))",
-            *_design_as_python(state.reliability),
-        ]
+    design = (
+        ""
+        if reliability == DESIGN_VALUES
+        else f"""
+reliability = sidmacib.Reliability({reliability.variation:g}, {reliability.partial_factor:g})
+print(sidmacib.design_resistance(joint, direction, reliability))"""
     )
+    return f"""from dataclasses import replace
+import sidmacib{imported}
 
-
-def _design_as_python(reliability: Reliability) -> list[str]:
-    if reliability == DESIGN_VALUES:
-        return []
-    given = f"{reliability.variation:g}, {reliability.partial_factor:g}"
-    return [
-        f"reliability = sidmacib.Reliability({given})",
-        "print(sidmacib.design_resistance(joint, direction, reliability))",
-    ]
+inner = replace(sidmacib.Joint(3).inner, {_given(joint, "inner", "=")})
+dry = replace(sidmacib.Joint(3).dry, {_given(joint, "dry", "=")})
+joint = sidmacib.Joint({", ".join(given)})
+direction = sidmacib.Direction({state.eccentricity:g})
+print(sidmacib.law(joint, direction), sidmacib.safe(joint, direction)){design}"""
 
 
 def compared(inputs: tuple[Figures, Figures], results: tuple[Figures, Figures]) -> list[list[Any]]:

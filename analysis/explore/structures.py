@@ -167,15 +167,15 @@ class OpenedFiles:
 
         Errors of the models; ValueError for files of something else.
         """
-        numbers = []
+        numbers = [kept]
         for found in opened_files(files):
             self._newest += 1
             numbers.append(self._newest)
             self._found[self._newest] = found
         while len(self._found) > MOST_FILES:
             self._found.pop(next(iter(self._found)))
-        *others, number = numbers
-        query = {"file": number, "kept": (*others, kept)[0]}
+        *_, beside, number = numbers
+        query = {"file": number, "kept": beside}
         return f"{OPENED}?{urlencode({name: each for name, each in query.items() if each})}"
 
     def page(self, query: Mapping[str, str]) -> str:
