@@ -83,8 +83,12 @@ def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nod
     found = errors_of([*static, made_up(0.02, "limit", 120.0), soft])
     cells = math.sqrt(30.0)  # at 0.01 m; 3 at 0.02 m
     expected = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
-    assert found["static", "n-mesh0.02"] == MeshErrors(None, pytest.approx(expected))
-    assert found["yade", "soft"] == found["limit", "n-mesh0.02"] == found["static", "n-mesh0.02"]
+    assert found["cases/static/n-mesh0.02"] == MeshErrors(None, pytest.approx(expected))
+    assert (
+        found["cases/yade/soft"]
+        == found["cases/limit/n-mesh0.02"]
+        == found["cases/static/n-mesh0.02"]
+    )
 
 
 def test_a_first_failure_has_an_error_of_its_own() -> None:
@@ -92,7 +96,7 @@ def test_a_first_failure_has_an_error_of_its_own() -> None:
         replace(made_up(0.02, load=110.0), first_failure_load_N=101.0),
         replace(made_up(0.01, load=100.0), first_failure_load_N=100.0),
     ]
-    found = errors_of(records)["static", "n-mesh0.02"]
+    found = errors_of(records)["cases/static/n-mesh0.02"]
     assert 0.01 < found.first < 0.03
     assert found.peak > 0.1
 
