@@ -17,7 +17,6 @@ from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.rule.inverse import (
     bonded_area,
-    candidate,
     cheapest_of,
     joint_area,
     variants,
@@ -85,13 +84,6 @@ def test_a_joint_that_the_rule_refuses_is_no_answer_and_has_a_reason() -> None:
     assert not weak.meets and weak.load is not None and not weak.reason
     assert refused.load is None and not refused.meets and "a / b: 14" in refused.reason
     assert cheapest(WEIGHTLESS, Demand(700.0), values).found is None
-
-
-def test_a_bound_from_the_law_is_above_the_safe_load() -> None:
-    joint, demand = Joint(9, a=0.08), Demand(500.0, ratio=0.3)
-    bound, exact = (candidate(joint, demand, exact=exact) for exact in (False, True))
-    assert not bound.exact and exact.exact
-    assert exact.load <= bound.load < demand.load(joint)
 
 
 OTHER_LOCKS = Joint(3, different={2: OwnLock(width=0.03)})

@@ -12,7 +12,7 @@ import pytest
 from conftest import a_case, with_subject
 from small import merged
 
-from sidmacib import Assembly, Direction, Joint, Loading, NodeLayout, assemble, lock_weights
+from sidmacib import Assembly, Direction, Joint, Loading, lock_weights
 from sidmacib.engines.results import (
     HISTORY,
     NODE_COLUMNS,
@@ -104,12 +104,6 @@ def test_results_that_cannot_be_are_refused(
     (tmp_path / name).write_text(text.replace(old, new, 1))
     with pytest.raises(ResultError, match=message):
         record_of(case, case.subject.problem(), read_outcome(tmp_path, assembly), {})
-
-
-def test_nodes_of_another_joint_are_refused(tmp_path: Path) -> None:
-    write_engine_files(tmp_path, case_of(joint=replace(JOINT, a=0.07)))
-    with pytest.raises(ResultError, match=r"nodes.csv"):
-        read_outcome(tmp_path, assemble(JOINT, 0.03, NodeLayout.CENTRES))
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,8 @@ from sidmacib.model import Ability, Requirement
 from sidmacib.models import LAWS, MODELS, RESISTANCES, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
-from workflow.case import REFERENCE
-from workflow.schema import CASES, LOAD, StructureSection, Study
+from workflow.case import REFERENCE, structure_case_name
+from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases
 from workflow.schema.sections import AssemblySection, NumericsSection, Pieces, changed
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
@@ -312,6 +312,10 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
         try:
             if CASES in whole and not section.loads:
                 structure_file.demands_of(whole)
+                names = [structure_case_name("", name) for name in load_cases(whole)]
+                if len({*names}) < len(names):
+                    allowed = "names must differ in letters, digits, _ and ."
+                    yield f"{key}.{place}.{CASES}: {allowed}"
                 continue
             own = {k: v for k, v in whole.items() if k not in (LOAD, CASES)}
             assembly = structure_file.assembly_of(own)
