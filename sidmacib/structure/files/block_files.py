@@ -34,6 +34,7 @@ LENGTHS = {  # m
     "Meters": 1.0,
     "Inches": 0.0254,
     "Feet": 0.3048,
+    "Yards": 0.9144,
 }
 Unit = Literal["m", "cm", "mm", "in", "ft"]
 UPWARDS = {  # what turns a file's coordinates so that z is up
@@ -57,7 +58,10 @@ def blocks_from_mesh(
         raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
     try:
         if suffix == ".3dm":
-            surfaces, of_file = _in_3dm(path)
+            surfaces, name = _in_3dm(path)
+            if unit is None and name not in LENGTHS:
+                raise ValueError(f"its unit is {name}; give unit (m, cm, mm, in, ft) or scale")
+            of_file = LENGTHS.get(name, 1.0)
         else:
             surfaces = _surfaces(path)
         if suffix not in NAMED or len(surfaces) == 1:
@@ -129,8 +133,8 @@ def _numbered(surfaces: dict[str, Surface]) -> dict[str, Surface]:
     return {str(number): body for number, body in enumerate(found, 1)}
 
 
-def _in_3dm(path: Path) -> tuple[dict[str, Surface], float]:
-    """The surface of each mesh, polysurface or extrusion by its name, and m per unit of the file.
+def _in_3dm(path: Path) -> tuple[dict[str, Surface], str]:
+    """The surface of each mesh, polysurface or extrusion by its name, and the unit of the file.
 
     Objects without a name are numbered from 1. Of polysurfaces and extrusions the meshes count that
     Rhino keeps to draw them. ValueError if it cannot be read.
@@ -149,6 +153,9 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], float]:
             parts = list(each.Geometry.Faces)
         meshes = [part.GetMesh(rhino.MeshType.Any) for part in parts] if solid else parts
         meshes = [mesh for mesh in meshes if isinstance(mesh, rhino.Mesh)]
+        if isinstance(each.Geometry, rhino.SubD | rhino.InstanceReference):
+            words = "is a SubD or an instance of a block; make a mesh of it in Rhino"
+            raise ValueError(f"{each.Attributes.Name or number}: {words}")
         if solid and not meshes:
             words = "has no mesh; shade the view in Rhino and save again"
             raise ValueError(f"{each.Attributes.Name or number}: {words}")
@@ -157,8 +164,7 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], float]:
             found[name if name not in found else f"{name}-{number}"] = _joined(meshes)
     if not found:
         raise ValueError("has no meshes, polysurfaces or extrusions")
-    unit = str(model.Settings.ModelUnitSystem).rpartition(".")[2]
-    return found, LENGTHS.get(unit, 1.0)
+    return found, str(model.Settings.ModelUnitSystem).rpartition(".")[2]
 
 
 def _joined(meshes: list[Any]) -> Surface:
