@@ -64,8 +64,8 @@ def test_a_study_that_is_stopped_leaves_nothing_alive_and_no_lock(
 ) -> None:
     config = tmp_path / "study.yaml"
     config.write_text(yaml.safe_dump(LONG))
-    words = ("study", f"CONFIG={config}", f"RESULTS={tmp_path / 'results'}")
-    run = started(*INSTALLED, *words, start_new_session=True)
+    asked = ("study", f"CONFIG={config}", f"RESULTS={tmp_path / 'results'}")
+    run = started(*INSTALLED, *asked, start_new_session=True)
     if whom == "all at once":
         time.sleep(0.25)
     else:

@@ -186,7 +186,7 @@ def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Work
     (folder / "results.txt").write_text(returned(case, float("inf")))
     workspace.snakemake("results/summary.txt")
     text = (workspace.results / "summary.txt").read_text()
-    words = "WITHOUT A RESULT: 1 of 5 cases\n  n3-mesh0.03-e0a (3dec): 3dec: results"
+    words = "WITHOUT A RESULT: 1 of 5 cases\n  n3-mesh0.03-e0a (3dec): 3dec: peak"
     assert text.startswith(words)
 
 
