@@ -38,26 +38,52 @@ class Quantity:
     units: dict[str, float]
 
 
+_MPA, _KPA = 1e6, 1e3
 # A table, and not pint: that takes 0.5 s of CPU to load, reads 12 Nm as m/kg and 1,5 m as 15 m, and
 # knows no N/mm2.
-_UNITS = """
-a length           | m       | 80mm      | m 1, mm 1e-3, cm 1e-2, km 1e3, in 0.0254, ft 0.3048
-a force            | N       | 5kN       | N 1, kN 1e3, MN 1e6, lbf 4.4482216152605
-a torque           | N m     | 5kNm      | Nm 1, kNm 1e3, MNm 1e6, Nmm 1e-3, kNmm 1
-a pressure         | Pa      | 0.3MPa    | Pa 1, kPa 1e3, MPa 1e6, GPa 1e9, bar 1e5, N/mm2 1e6, \
-                                           N/m2 1, kN/m2 1e3, MN/m2 1e6, psi 6894.757293168361
-a density          | kg/m3   | 2000kg/m3 | kg/m3 1, t/m3 1e3, g/cm3 1e3
-a force by volume  | Pa/m    | 10GPa/m   | Pa/m 1, kPa/m 1e3, MPa/m 1e6, GPa/m 1e9, MPa/mm 1e9, \
-                                           N/m3 1, kN/m3 1e3, MN/m3 1e6, N/mm3 1e9
-an energy by area  | J/m2    | 100J/m2   | J/m2 1, kJ/m2 1e3, N/m 1, kN/m 1e3, N/mm 1e3
-an angle           | degrees | 15deg     | deg 1, degrees 1, rad 57.29577951308232
-a time             | s       | 90s       | s 1, min 60, h 3600
-"""
-QUANTITIES = tuple(
-    Quantity(name, unit, example, {each: float(size) for each, size in map(str.split, units)})
-    for name, unit, example, *units in (
-        [cell.strip() for cell in re.split("[|,]", row)] for row in _UNITS.strip().splitlines()
-    )
+QUANTITIES = (
+    Quantity(
+        "a length",
+        "m",
+        "80mm",
+        {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048},
+    ),
+    Quantity("a force", "N", "5kN", {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605}),
+    Quantity(
+        "a torque",
+        "N m",
+        "5kNm",
+        {"Nm": 1.0, "kNm": 1e3, "MNm": 1e6, "Nmm": 1e-3, "kNmm": 1.0},
+    ),
+    Quantity(
+        "a pressure",
+        "Pa",
+        "0.3MPa",
+        {
+            **{"Pa": 1.0, "kPa": _KPA, "MPa": _MPA, "GPa": 1e9, "bar": 1e5},
+            **{"N/mm2": _MPA, "N/m2": 1.0, "kN/m2": _KPA, "MN/m2": _MPA, "psi": 6894.757293168361},
+        },
+    ),
+    Quantity("a density", "kg/m3", "2000kg/m3", {"kg/m3": 1.0, "t/m3": 1e3, "g/cm3": 1e3}),
+    Quantity(
+        "a force by volume",
+        "Pa/m",
+        "10GPa/m",
+        {
+            **{"Pa/m": 1.0, "kPa/m": _KPA, "MPa/m": _MPA, "GPa/m": 1e9, "MPa/mm": 1e9},
+            **{"N/m3": 1.0, "kN/m3": 1e3, "MN/m3": 1e6, "N/mm3": 1e9},
+        },
+    ),
+    Quantity(
+        "an energy by area",
+        "J/m2",
+        "100J/m2",
+        {"J/m2": 1.0, "kJ/m2": 1e3, "N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3},
+    ),
+    Quantity(
+        "an angle", "degrees", "15deg", {"deg": 1.0, "degrees": 1.0, "rad": math.degrees(1.0)}
+    ),
+    Quantity("a time", "s", "90s", {"s": 1.0, "min": 60.0, "h": 3600.0}),
 )
 MEASURED_IN = {quantity.unit: quantity for quantity in QUANTITIES}
 _OF = {unit: quantity for quantity in QUANTITIES for unit in quantity.units}

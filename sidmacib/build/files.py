@@ -149,5 +149,5 @@ def _ocp(module: str) -> Any:
     try:
         return importlib.import_module(f"OCP.{module}")
     except ImportError:
-        words = "--step: needs the package cadquery-ocp-novtk: pip install multilock[step]"
+        words = "needs the package cadquery-ocp-novtk: pip install multilock[step]"
         raise ValueError(words) from None

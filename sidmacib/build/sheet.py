@@ -237,8 +237,9 @@ def _chain(
         close = end - start < 0.9 * len(words) + 1.5 and number % 2 == 1
         off = turn * (-0.5 if close else 0.5)
         place = ((start + end) / 2, across + off)[::turn]
-        sides = ("top", "bottom") if axis == 0 else ("left", "right")
-        aligned = {"ha": "center", "va": "center", "va" if axis == 0 else "ha": sides[not close]}
+        aligned = {"ha": "center", "va": "top" if close else "bottom"}
+        if axis == 1:
+            aligned = {"ha": "left" if close else "right", "va": "center"}
         axes.text(*place, words, fontsize=5.5, rotation=90.0 * axis, **aligned)
 
 

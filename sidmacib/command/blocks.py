@@ -116,8 +116,11 @@ def assembly(file: Path, **options: Any) -> None:
         from sidmacib.structure.files.structure_file import description_in
 
         own = {each.name: options.pop(each.name) for each in fields(Wanted) if each.name in options}
-        if own["report"] is not None:
-            plotly_js()  # what is missing is said before the answer is computed
+        if own["report"] is not None:  # what is missing is said before the answer is computed
+            try:
+                plotly_js()
+            except ValueError as error:
+                raise ValueError(f"--report: {error}") from None
         description = description_in(
             file,
             added_keys(**options),

@@ -80,4 +80,7 @@ def write_all(
         if len(of) > SHEETS:
             click.echo(f"Note: of {len(of)} kinds the first {SHEETS} are drawn", err=True)
         if with_step:
-            (folder / "blocks.step").write_bytes(step(made, unit))
+            try:
+                (folder / "blocks.step").write_bytes(step(made, unit))
+            except ValueError as error:
+                raise ValueError(f"--step: {error}") from None

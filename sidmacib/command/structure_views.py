@@ -161,7 +161,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
         title=f"Calculation note: structure {views.title}",
         views=views,
         drawn=drawn,
-        drawing=svg.getvalue().partition("<svg")[2],
+        drawing=svg.getvalue()[svg.getvalue().index("<svg") :],
         blocks=[*_blocks(assembly.pieces[:MOST_ROWS])],
         more_blocks=len(assembly.pieces) - MOST_ROWS,
         laws=laws,

@@ -40,9 +40,7 @@ def plotly_js() -> str:
     try:
         return str(importlib.import_module("plotly.offline").get_plotlyjs())
     except ImportError:
-        raise ValueError(
-            "--report: needs the package plotly: pip install multilock[report]"
-        ) from None
+        raise ValueError("needs the package plotly: pip install multilock[report]") from None
 
 
 def rendered(template: Path, **words: Any) -> str:

@@ -52,7 +52,9 @@ def deepest_overlap(blocks: Sequence[Block], near: float) -> tuple[float, str]:
         count += depth > near
         if depth > most:
             most, words = depth, f"{one.name} and {other.name} overlap by {amount}"
-    return most, words + f", the most of {count} pairs" * (count > 1)
+    if count > 1:
+        words += f", the most of {count} pairs"
+    return most, words
 
 
 def tolerance_for(gap: float, size: float) -> float:

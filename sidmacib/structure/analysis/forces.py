@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -91,11 +91,32 @@ def interface_forces(
                 most = max(off, _rubbing(face, places - at, on_nodes, limit[nodes], nothing))
         if number in crushing:
             most = max(most, crushing[number])
-        law_of = material.friction, material.cohesion, material.tensile_strength
-        resultants = normal, float(np.hypot(*shear)), float(moment[0]), float(np.hypot(*moment[1:]))
-        vectors = *(whole @ face.axes).tolist(), *((None,) * 3 if at is None else at.tolist())
-        of_face = face.name, str(face.kind), rounded(face.area), *law_of
-        found.append(InterfaceRow(*of_face, *resultants, off, most, bonded, None, *vectors))
+        force_x, force_y, force_z = (whole @ face.axes).tolist()
+        at_x, at_y, at_z = (None,) * 3 if at is None else at.tolist()
+        found.append(
+            InterfaceRow(
+                interface=face.name,
+                kind=str(face.kind),
+                area_m2=rounded(face.area),
+                friction=material.friction,
+                cohesion_Pa=material.cohesion,
+                tensile_strength_Pa=material.tensile_strength,
+                normal_N=normal,
+                shear_N=float(np.hypot(*shear)),
+                torsion_Nm=float(moment[0]),
+                bending_Nm=float(np.hypot(*moment[1:])),
+                eccentricity=off,
+                utilisation=most,
+                bonded_share=bonded,
+                fails_at=None,
+                force_x_N=force_x,
+                force_y_N=force_y,
+                force_z_N=force_z,
+                at_x_m=at_x,
+                at_y_m=at_y,
+                at_z_m=at_z,
+            )
+        )
     return tuple(found)
 
 
@@ -122,7 +143,7 @@ def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: fl
     )
 
 
-RESULTANTS = [each.name for each in fields(InterfaceRow)][6:]
+OF_LAW = {"interface", "kind", "area_m2", "friction", "cohesion_Pa", "tensile_strength_Pa"}
 
 
 @dataclass(frozen=True)
@@ -158,7 +179,7 @@ def interfaces_of(assembly: Assembly, outcome: Outcome) -> tuple[InterfaceRow, .
     units = {"N": size, "Nm": size * assembly.length, "m": assembly.length}
     rows = []
     for number, row in enumerate(interface_forces(assembly, force, state)):
-        numbers = {name: value for name, value in vars(row).items() if name in RESULTANTS}
+        numbers = {name: value for name, value in vars(row).items() if name not in OF_LAW}
         if assembly.faces[number].kind is Kind.LOCKED or not math.isfinite(row.utilisation or 0.0):
             numbers["utilisation"] = None  # no strength in shear along locks, or none at all
         for name, value in numbers.items():

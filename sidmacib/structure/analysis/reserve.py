@@ -90,12 +90,11 @@ def _smaller(assembly: Assembly, factor: float) -> Assembly:
     nodes, part = assembly.nodes, 1.0 / factor
     middle = np.array([face.middle for face in assembly.faces])[nodes.face]
     smaller = replace(nodes, position=middle + part * (nodes.position - middle))
-    faces = tuple(
-        replace(face, outline=scale(face.outline, part, part, origin=(0.0, 0.0)))
-        for face in assembly.faces
-        if isinstance(face, Polygon)
-    )
-    return replace(assembly, faces=faces, nodes=smaller)
+    faces = []
+    for face in assembly.faces:
+        assert isinstance(face, Polygon), "a structure has polygons"
+        faces.append(replace(face, outline=scale(face.outline, part, part, origin=(0.0, 0.0))))
+    return replace(assembly, faces=tuple(faces), nodes=smaller)
 
 
 def _weaker(assembly: Assembly, factor: float) -> Assembly:

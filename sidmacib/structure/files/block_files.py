@@ -275,7 +275,8 @@ class FileSection(Keys):
     def _fixed(self, name: str, blocks: list[Block]) -> list[Block]:
         if self.fixed is None:
             return blocks
+        if isinstance(self.fixed, bool):
+            return [replace(block, fixed=self.fixed) for block in blocks]
         names = [block.name.removeprefix(f"{name}-") for block in blocks]
-        asked = ["*"] * self.fixed if isinstance(self.fixed, bool) else self.fixed
-        held = chosen(asked, names, "true, false, or a list of")
+        held = chosen(self.fixed, names, "true, false, or a list of")
         return [replace(b, fixed=own in held) for b, own in zip(blocks, names, strict=True)]
