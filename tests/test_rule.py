@@ -304,4 +304,4 @@ def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> 
     problem = posed(joint, Loading(direction, push=Push.MINUS_Y), joint.least_side / 4)
     smooth = limit_load(*problem)
     assert smooth.load == pytest.approx(1.685, abs=1e-3)
-    assert 0.8 * smooth.load < found.load < smooth.load
+    assert 0.7 * smooth.load < found.load < smooth.load

@@ -96,12 +96,11 @@ def posed(
     mesh: float,
     nodes: NodeLayout = NodeLayout.LOBATTO,
     *,
-    least: int = 1,
+    least: int | None = None,
 ) -> Problem:
     """The pieces of ``joint`` on cells of at most ``mesh`` (m), under ``loading``.
 
-    ``least``: cells along every side of a face. Errors of `sidmacib.assemble` and
-    `sidmacib.lateral_load`.
+    ``least`` and errors as for `sidmacib.assemble`; errors of `sidmacib.lateral_load`.
     """
     assembly = assemble(joint, mesh, nodes, least=least)
     return Problem(assembly, lateral_load(joint, assembly, loading))

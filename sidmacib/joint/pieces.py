@@ -31,14 +31,16 @@ JOINED = 1e3  # stiffness between joined columns over that of inner faces: almos
 
 
 def assemble(
-    joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO, *, least: int = 1
+    joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO, *, least: int | None = None
 ) -> Assembly:
     """Cut ``joint`` into pieces and put ``nodes`` on cells of their faces no longer than ``mesh``.
 
     ``mesh``: the longest side of a cell, m. ``least``: cells along every side of a face, however
-    short: one cell along the height of a lock may hide where it bears. ValueError unless the mesh
-    is above 0 and at most the shorter side of the locks' horizontal faces; less than that side
-    except for Lobatto points, as one row of other nodes would be a hinge.
+    short; by default one under a plate, which holds the upper block level, and else as many as
+    along the shorter side of a lock and at least two: without a plate the load may hang on the
+    height at which locks bear. ValueError unless the mesh is above 0 and at most the shorter side of the locks'
+    horizontal faces; less than that side except for Lobatto points, as one row of other nodes would
+    be a hinge.
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO
@@ -47,6 +49,9 @@ def assemble(
             f"mesh: must be more than 0 and {'at most' if one_cell else 'less than'} {most} m, the "
             f"shorter side of a lock's horizontal face (got {mesh} m)"
         )
+    if least is None:
+        plate = joint.hold_down.kind is Hold.PLATE
+        least = 1 if plate else max(2, int(cells_along(np.array([most]), mesh)[0]))
     pieces = cut_pieces(joint)
     faces = tuple(_faces(joint, pieces))
     return Assembly(

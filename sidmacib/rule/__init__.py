@@ -20,7 +20,7 @@ from functools import lru_cache
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.joint import Direction, Hold, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, roots
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads
@@ -130,9 +130,11 @@ def weakened(joint: Joint, margin: float) -> Joint:
 def _cut(joint: Joint, cells: int) -> Assembly:
     """The pieces of ``joint`` with that many ``cells`` along the shorter side of a lock.
 
-    And half of them, at least, along its height, on which first failures may hang as well.
+    Under a plate half of them, at least, along its height, on which first failures may hang as
+    well; without one as many as `assemble` puts there.
     """
-    return assemble(joint, joint.least_side / cells, least=max(1, cells // 2))
+    half = max(1, cells // 2) if joint.hold_down.kind is Hold.PLATE else None
+    return assemble(joint, joint.least_side / cells, least=half)
 
 
 @lru_cache(maxsize=8)

@@ -157,7 +157,8 @@ def _posed(target: Target) -> Problem:
     """The problem on the nodes of the search, which the rule does not use."""
     joint = target.joint
     cells = CELLS[joint.elastic is not None]
-    return posed(joint, target.loading, joint.least_side / cells, least=cells // 2 + 1)
+    least = cells // 2 + 1 if joint.hold_down.kind is Hold.PLATE else None
+    return posed(joint, target.loading, joint.least_side / cells, least=least)
 
 
 def ratio_of(target: Target) -> float | None:
