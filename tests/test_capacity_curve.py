@@ -203,3 +203,17 @@ def test_a_curve_ends_where_blocks_meet_that_did_not_touch() -> None:
     assert curve.end.startswith("block and post meet at 0.1")
     # The top corner has moved by the gap; the point of the force, at the other one, nearly so.
     assert curve.displacement[-1] == pytest.approx(gap, abs=0.03)
+
+
+@pytest.mark.parametrize(("height", "friction", "slides_at"), [(0.2, 1.2, 5651), (0.3, 0.7, 3296)])
+def test_a_block_whose_lever_shrinks_is_followed_until_it_slides_on(
+    height: float, friction: float, slides_at: float
+) -> None:
+    """A force beyond its toe: the block turns under a rising load, and slides on at mu W."""
+    block = box("block", (0, 0, 0), (0.4, 0.5, 1.2), 2e3)
+    model = structure([GROUND, block], dry(friction))
+    assert friction * free_weight(model) == pytest.approx(slides_at, abs=1.0)
+    curve = capacity_curve(model, force_at(model, "block", (1.4, 0.25, height), ALONG_X))
+    assert "go on in another way" in curve.end
+    assert curve.load[-1] == pytest.approx(slides_at, rel=2e-3)
+    assert (np.diff(curve.load) > -1e-3).all()

@@ -38,9 +38,9 @@ def assemble(
     ``mesh``: the longest side of a cell, m. ``least``: cells along every side of a face, however
     short; by default one under a plate, which holds the upper block level, and else as many as
     along the shorter side of a lock and at least two: without a plate the load may hang on the
-    height at which locks bear. ValueError unless the mesh is above 0 and at most the shorter side of the locks'
-    horizontal faces; less than that side except for Lobatto points, as one row of other nodes would
-    be a hinge.
+    height at which locks bear. ValueError unless the mesh is above 0 and at most the shorter side
+    of the locks' horizontal faces; less than that side except for Lobatto points, as one row of
+    other nodes would be a hinge.
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO

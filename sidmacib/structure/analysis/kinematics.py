@@ -44,6 +44,7 @@ from sidmacib.structure.analysis.contacts import (
 from sidmacib.structure.loads import PointForce, StructureLoads, SupportMotion
 
 STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
+LEAP = 0.25  # of the load at the start: a larger change in one step is a leap
 SHORTEST = 1 / 64  # of a step: precision of the movement at which blocks fall
 MOST_STEPS = 500
 FAR = 300.0  # steps: contacts that are further open are left out
@@ -53,7 +54,12 @@ PRESSED = 1e-6  # of the weight: least force of an interface that counts
 TWISTED = 0.01  # of the driving force at the start: less by limits of torque counts as none
 STILL = 0.02  # of the largest relative motion: less counts as none
 WHAT = "finite displacements"
-FALL, WEDGE, MEET, REACHED, FURTHER = "fall", "wedge", "meet", "reached", "further"
+FALL, WEDGE, LEAPS = "fall", "wedge", "leap"
+MEET, REACHED, FURTHER = "meet", "reached", "further"
+
+
+class LeapError(CapacityError):
+    """The load would change by more than `LEAP` in one step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +85,9 @@ class Position:
 class Path:
     """Positions one after the other, and why there are no more.
 
-    ``end``: blocks `FALL` or `WEDGE`, two that did not touch `MEET`, what was sought is `REACHED`,
-    or not within `MOST_STEPS`. ``met``: the names of those that meet.
+    ``end``: blocks `FALL` or `WEDGE`, or go on in another way, at once (`LEAPS`); two that did not
+    touch `MEET`; what was sought is `REACHED`, or not within `MOST_STEPS`. ``met``: the names of
+    those that meet.
     """
 
     positions: tuple[Position, ...]
@@ -138,7 +145,10 @@ class Kinematics:
             if step < SHORTEST * first:  # or the blocks move ever faster
                 return Path(tuple(found), _verdict(failed))
             try:
-                found.append(self.after(found[-1], step))
+                after = self.after(found[-1], step)
+                if abs(after.load - found[-1].load) > LEAP * abs(found[0].load):
+                    raise LeapError(f"{WHAT}: the load leaps")
+                found.append(after)
             except CapacityError as error:
                 failed.append(error)
                 step /= 2
@@ -234,14 +244,17 @@ class Kinematics:
 
 
 def _verdict(failed: Sequence[CapacityError]) -> str:
-    """Why no step follows, however short; the error of a solver that proved neither reason.
+    """Why no step follows, however short; the error of a solver that proved no reason.
 
-    Close to where blocks fall, a solver may be unable to prove that they do.
+    Close to where blocks fall, a solver may be unable to prove that they do. Where a lever shrinks,
+    a block that turned slides on and may turn back: there is equilibrium, which steps leap over.
     """
     proven = [error for error in failed if not isinstance(error, SolverError)]
     if failed and not proven:
         raise failed[-1]
-    return WEDGE if proven and isinstance(proven[-1], UnboundedError) else FALL
+    if not failed or isinstance(proven[0], LeapError):
+        return LEAPS
+    return WEDGE if isinstance(proven[-1], UnboundedError) else FALL
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,6 +281,7 @@ class CapacityCurve:
         words = {
             REACHED: f"the load falls to 0 at {last}",
             FALL: f"the blocks fall at {last}, whatever the load",
+            LEAPS: f"the blocks go on in another way at {last}, where the curve ends",
             WEDGE: f"the blocks wedge at {last}: the load grows without limit",
             MEET: f"{' and '.join(self.path.met or ())} meet at {last}, where the curve ends",
             FURTHER: f"followed to {last}",
