@@ -248,7 +248,7 @@ class FileSection(Keys):
 
     def interfaces(self, folder: Path, blocks: Sequence[Block]) -> tuple[Interface, ...]:
         """Those that a file of COMPAS brings between its ``blocks``."""
-        return read_compas_interfaces(folder / self.file, blocks, self._frame)
+        return read_compas_interfaces(folder / self.file, blocks, self.frame)
 
     @property
     def is_compas(self) -> bool:
@@ -256,7 +256,8 @@ class FileSection(Keys):
         return self.file.endswith(".json") and "*" not in self.file
 
     @property
-    def _frame(self) -> Floats:
+    def frame(self) -> Floats:
+        """Turns the file's coordinates into m with z upwards, (3, 3)."""
         return np.array(UPWARDS[self.up], float) * (self.length or 1.0)
 
     def _in(self, name: str, path: Path) -> list[Block]:
@@ -266,7 +267,7 @@ class FileSection(Keys):
             if isinstance(self.fixed, bool):
                 raise refused("fixed", self.fixed, "a list of nodes")
             fixed = () if self.fixed is None and self.fixed_below is not None else self.fixed
-            return list(read_compas(path, self.density, fixed, name, self._frame))
+            return list(read_compas(path, self.density, fixed, name, self.frame))
         turn = np.array(UPWARDS[self.up], float)
         bodies = blocks_from_mesh(path, self.density, turn, self.length)
         alone = len(bodies) == 1

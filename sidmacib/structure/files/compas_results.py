@@ -15,7 +15,9 @@ from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
+from sidmacib.structure.files.block_files import FileSection
 from sidmacib.structure.files.compas import ASSEMBLIES, CONTACT, INTERFACE, MODEL, content_of
+from sidmacib.structure.files.repair import AS_IT_IS
 from sidmacib.structure.interfaces import triangles
 from sidmacib.structure.structure import owners_of
 from sidmacib.validation import refused
@@ -37,7 +39,7 @@ def write_compas_results(
     None if gravity turns, which is refused.
     ValueError unless all pieces are blocks of a model of COMPAS, or locks of these.
     """
-    model = _model_behind(model)
+    model, frame = _model_behind(model)
     content = content_of(model) if model.suffix == ".json" else {}
     if not isinstance(content, dict) or content.get("dtype") not in (MODEL, *ASSEMBLIES):
         raise refused("compas", model.name, f"for a {MODEL} or {ASSEMBLIES[1]} in JSON")
@@ -54,23 +56,27 @@ def write_compas_results(
     }
     if content["dtype"] == MODEL:
         identity = content["guid"]
-        data = compas_results(problem.assembly, found.force, found.mechanism, identity, source)
+        assembly, mechanism = problem.assembly, found.mechanism
+        data = compas_results(assembly, found.force, mechanism, identity, source, frame=frame)
     else:
-        data = with_interfaces(content, problem.assembly, found.force)
+        data = with_interfaces(content, problem.assembly, found.force, frame)
     try:
         results.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     except OSError as error:
         raise ValueError(f"compas: {results}: {error.strerror}") from None
 
 
-def _model_behind(path: Path) -> Path:
-    """The file of COMPAS from which all blocks of a structure's file are; else ``path`` itself."""
-    if path.suffix == ".json":
-        return path
-    blocks = list(dict(read_yaml(path)["blocks"]).values())
-    named = [each["file"] for each in blocks if isinstance(each, dict) and "file" in each]
-    one = len(blocks) == len(named) == 1 and str(named[0]).endswith(".json")
-    return path.parent / str(named[0]) if one else path
+def _model_behind(path: Path) -> tuple[Path, Floats]:
+    """The file of COMPAS from which all blocks of a structure's file are; else ``path`` itself.
+
+    With what turns its coordinates into m with z upwards, (3, 3).
+    """
+    blocks = [] if path.suffix == ".json" else [*dict(read_yaml(path)["blocks"]).values()]
+    if len(blocks) == 1 and isinstance(blocks[0], dict) and "file" in blocks[0]:
+        section = FileSection.model_validate(blocks[0])
+        if section.is_compas:
+            return path.parent / section.file, section.frame
+    return path, AS_IT_IS
 
 
 def compas_results(
@@ -80,6 +86,8 @@ def compas_results(
     model: str,
     metadata: Mapping[str, Any],
     problem: str | None = None,
+    *,
+    frame: Floats = AS_IT_IS,
 ) -> dict[str, Any]:
     """The JSON of compas_dem's `Results` for a model, and a ``problem``, of these identities.
 
@@ -87,18 +95,21 @@ def compas_results(
     which the largest displacement is drawn as a tenth of a block. Locks that are cut out count as
     parts of their blocks. Nodes have their ``transformation``, edges the points and forces of all
     contacts between two blocks, compression positive, on the second block; ``contacts`` has them
-    contact by contact, at its corners, ``contact_data`` the one that carries most.
+    contact by contact, at its corners, ``contact_data`` the one that carries most. All places are
+    in the coordinates that ``frame``, (3, 3), turns into m with z upwards.
     """
     owner = owners_of(assembly)
     largest = float(np.linalg.norm(mechanism[:, :3], axis=1).max(initial=0.0))
     scale = SHOWN * assembly.length / largest if largest else 0.0
     moved = {
-        str(_node(piece.name)): {"transformation": _transformation(piece.centre, scale * motion)}
+        str(_node(piece.name)): {
+            "transformation": _transformation(piece.centre, scale * motion, frame)
+        }
         for number, (piece, motion) in enumerate(zip(assembly.pieces, mechanism, strict=True))
         if owner[number] == number
     }
     edges: dict[str, list[dict[str, Any]]] = {}
-    for (below, above), contact, _ in _contacts(assembly, owner, force):
+    for (below, above), contact, _ in _contacts(assembly, owner, force, frame):
         edges.setdefault(f"{below},{above}", []).append(contact)
     data = {
         "model_id": model,
@@ -111,18 +122,21 @@ def compas_results(
     return _object("compas_dem.problem/Results", data, model)
 
 
-def with_interfaces(content: dict[str, Any], assembly: Assembly, force: Floats) -> dict[str, Any]:
+def with_interfaces(
+    content: dict[str, Any], assembly: Assembly, force: Floats, frame: Floats = AS_IT_IS
+) -> dict[str, Any]:
     """Give an assembly of compas_cra, as its JSON, these interfaces and forces at its edges.
 
-    ``force``: (N, 3) in N. Interfaces that it has before are replaced; their points are corners of
-    the interfaces, in order, as its viewer draws them.
+    ``force``: (N, 3) in N; ``frame``: of its coordinates, as for `compas_results`. Interfaces that
+    it has before are replaced; their points are corners of the interfaces, in order, as its viewer
+    draws them.
     """
     graph = content["data"]["graph"]
     graph = graph.get("data", graph)
     edges: dict[str, dict[str, Any]] = {}
     for one, others in graph["edge"].items():
         edges[one] = {other: {**edge, "interfaces": []} for other, edge in others.items()}
-    for ends, contact, area in _contacts(assembly, owners_of(assembly), force):
+    for ends, contact, area in _contacts(assembly, owners_of(assembly), force, frame):
         below, above = map(str, ends)
         if above in edges and below in edges[above] and above not in edges.get(below, {}):
             del edges[above][below]  # forces are those on the second block
@@ -155,12 +169,14 @@ def _node(name: str) -> int:
 
 
 def _contacts(
-    assembly: Assembly, owner: Sequence[int], force: Floats
+    assembly: Assembly, owner: Sequence[int], force: Floats, frame: Floats
 ) -> Iterator[tuple[tuple[int, int], dict[str, Any], float]]:
-    """Nodes of two blocks, a contact between them and its area (m2); roots of locks have none.
+    """Nodes of two blocks, a contact between them and its area; roots of locks have none.
 
     All contacts of two blocks have them in the same order.
     """
+    unit = _unit(frame)
+    across = np.array([[unit], [1.0], [1.0]])
     seen: set[tuple[int, int]] = set()
     for number, face in enumerate(assembly.faces):
         assert isinstance(face, Polygon)
@@ -172,7 +188,10 @@ def _contacts(
         turned = ends[::-1] in seen
         ends = ends[::-1] if turned else ends
         seen.add(ends)
-        yield ends, _contact(face, assembly.nodes.position[own], force[own], turned), face.area
+        contact = _contact(face, assembly.nodes.position[own], force[own], turned)
+        for key, per in (("polygon", unit), ("points", unit), ("frame", across), ("force", 1.0)):
+            contact[key] = contact[key] @ frame / unit / per  # back into the file's axes
+        yield ends, contact, face.area / unit**2
 
 
 def _contact(face: Polygon, places: Floats, force: Floats, turned: bool) -> dict[str, Any]:
@@ -183,7 +202,7 @@ def _contact(face: Polygon, places: Floats, force: Floats, turned: bool) -> dict
     at = at_corners(face, places, force)
     contact = {
         "corner_forces": _turned(at)[::-1] if turned else at,
-        "frame": (face.middle, *(face.axes[:0:-1] if turned else face.axes[1:])),
+        "frame": np.array([face.middle, *(face.axes[:0:-1] if turned else face.axes[1:])]),
         "polygon": face.corners[::-1] if turned else face.corners,
         "points": places,
         "force": -force @ face.axes if turned else force @ face.axes,
@@ -244,11 +263,18 @@ def _frame(contact: Mapping[str, Any]) -> dict[str, Any]:
     return _object("compas.geometry/Frame", data, str(data))
 
 
-def _transformation(centre: Floats, motion: Floats) -> dict[str, Any]:
-    """The screw that begins with a ``motion`` (m, rad) of the centroid (m)."""
+def _unit(frame: Floats) -> float:
+    """M per unit of the coordinates that ``frame``, (3, 3), turns and scales."""
+    return float(np.cbrt(np.linalg.det(frame)))
+
+
+def _transformation(centre: Floats, motion: Floats, frame: Floats) -> dict[str, Any]:
+    """The screw that begins with a ``motion`` (m, rad) of the centroid (m), in the file's axes."""
+    unit = _unit(frame)
+    centre, moves, turns = (row @ frame / unit for row in (centre, motion[:3], motion[3:]))
     twist = np.zeros((4, 4))
-    twist[:3, :3] = np.cross(np.eye(3), motion[3:])  # for the vector product
-    twist[:3, 3] = motion[:3] - np.cross(motion[3:], centre)
+    twist[:3, :3] = np.cross(np.eye(3), turns)  # for the vector product
+    twist[:3, 3] = (moves - np.cross(turns, centre)) / unit
     rows = _lists(np.round(expm(twist), DIGITS))
     return _object("compas.geometry/Transformation", {"matrix": rows}, str(rows))
 
