@@ -81,6 +81,9 @@ def test_the_ends_of_the_spans_are_inside() -> None:
 def test_a_joint_without_a_pair_that_bears_carries_nothing(rule: Any) -> None:
     with pytest.raises(CapacityError, match="no pair of 2 locks bears"):
         rule(Joint(2), Direction(0.0), Push.MINUS_Y)
+    smooth = Joint(2, dry=replace(DRY, friction=0.0))
+    with pytest.raises(CapacityError, match="moves freely"):
+        rule(smooth, Direction(math.inf))
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.3])

@@ -92,7 +92,7 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
     ``cells``: along the shorter side of a lock; None for the least that suffice. ValueError for
     joints that the law does not cover: fewer than two locks, locks that differ, joined columns,
     bonds with friction or without strength. `CapacityError` if no pair of locks bears, or if
-    permanent loads alone make the joint fail.
+    permanent loads alone make the joint fail, or nothing holds it.
     """
     _require_row(joint)
     if not bearing_pairs(joint, loading.push):
@@ -106,7 +106,10 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
         solver = solver_of(assembly, loads)
     failure = first_failure_of(solver)
     if not failure.point.load > NOTHING * loads.scale:
-        raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
+        why = "fail under their permanent loads alone"
+        if failure.mode is not Mode.BONDS:
+            why = "carry nothing in this direction: the upper block moves freely"
+        raise CapacityError(f"law: {joint.locks} locks {why}")
     point, nodes, order = failure.point, assembly.nodes, roots(joint, assembly)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
     used = np.maximum.reduceat(utilisation(solver.contact_law, point.state, point.force), start)
