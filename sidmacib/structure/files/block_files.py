@@ -148,6 +148,8 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], str]:
         raise ValueError("is no file of Rhino that can be read")
     found: dict[str, Surface] = {}
     for number, each in enumerate(model.Objects, 1):
+        if each.Attributes.IsInstanceDefinitionObject:  # a part that only instances place
+            continue
         parts, solid = [each.Geometry], isinstance(each.Geometry, rhino.Brep | rhino.Extrusion)
         if isinstance(each.Geometry, rhino.Brep):
             parts = list(each.Geometry.Faces)
