@@ -23,10 +23,13 @@ from sidmacib.engines.render import write_script
 from sidmacib.engines.run import OUTPUTS, EngineError, execute
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
-from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import FaceMaterial, Failure, Kind, Loads, NodeLayout
 from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
+from sidmacib.structure.blocks import box
+from sidmacib.structure.loads import force_at
+from sidmacib.structure.structure import structure
 from workflow.solve import solved
 
 pytestmark = pytest.mark.engine
@@ -61,6 +64,16 @@ def test_a_face_fails_at_its_elastic_torque(engine: str, joint: Joint, tmp_path:
     shear = pd.read_csv(tmp_path / "nodes.csv")[["shear_x_Pa", "shear_y_Pa"]].to_numpy()
     magnitude = np.linalg.norm(shear, axis=1)
     assert magnitude / magnitude.max() == pytest.approx(arm / arm.max(), abs=2e-3)
+
+
+def test_a_block_that_spins_about_its_last_bond_is_not_at_rest(engine: str, tmp_path: Path) -> None:
+    """Friction and one bond resist its torque; forces alone balanced at 2066 N in LIGGGHTS."""
+    block = box("block", (0, 0, 0), (0.4, 0.6, 1.0), 2500)
+    bond = FaceMaterial(1e10, 1e10, 0.6, 2e4, 1e4)
+    model = structure([box("ground", (-1, -1, -1), (1, 1, 0), 2e3, fixed=True), block], bond)
+    loads = force_at(model, "block", (0.0, 0.6, 0.1), (1.0, 0.0, 0.0))
+    result = found(engine, tmp_path, Problem(model, loads))
+    assert result["peak_load_N"] == pytest.approx(static_peak(model, loads).peak.load, rel=0.03)
 
 
 def test_a_block_slides_at_friction_times_weight(engine: str, joint: Joint, tmp_path: Path) -> None:

@@ -367,10 +367,24 @@ class LiggghtsDeck:
 
     @cached_property
     def forces(self) -> dict[str, str]:
-        """Formulas of variables by name: the net force, but for the drag, on each free piece."""
-        masses = [repr(self.assembly.pieces[piece].mass_kg) for piece in self.assembly.free]
-        return {
-            f"f{n}_{k}": f"f_bodies[{n}][{6 + k}]+v_load_drag*{mass}*f_bodies[{n}][{3 + k}]"
-            for n, mass in enumerate(masses, start=1)
-            for k in (1, 2, 3)
-        }
+        """Formulas of variables by name: net force and moment, but for the drag, on free pieces.
+
+        Drag takes from the moment in proportion to the turning of the handles, which have all mass.
+        """
+        found = {}
+        for n, index in enumerate(self.assembly.free, start=1):
+            piece, handles = self.assembly.pieces[index], self.atoms.handles[index]
+            spin = piece.inertia_kgm2 / (2.0 * self.reach[index])
+            for k, name in enumerate("xyz"):
+                velocity = f"f_bodies[{n}][{4 + k}]"
+                found[f"f{n}_{name}"] = (
+                    f"f_bodies[{n}][{7 + k}]+v_load_drag*{piece.mass_kg!r}*{velocity}"
+                )
+                # About x, ends of the axis y move along z.
+                one, other = handles[2 * ((k + 1) % 3) :][:2]
+                along = "xyz"[(k + 2) % 3]
+                found[f"t{n}_{name}"] = (
+                    f"f_bodies[{n}][{10 + k}]"
+                    f"+v_load_drag*{spin!r}*(v{along}[{one}]-v{along}[{other}])"
+                )
+        return found

@@ -214,9 +214,18 @@ class LiggghtsModel:
         return self.assembly.displacement(self.motions().__getitem__)
 
     def unbalanced_ratio(self, load: float) -> float:
-        """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
+        """Mean unbalanced force on a free piece over the load, or the permanent one if larger.
+
+        A moment counts as a force at the mean size of pieces: what only spins is at no rest.
+        """
         values = self.engine.values(self.deck.forces)
-        total = math.fsum(map(length, zip(values[::3], values[1::3], values[2::3], strict=True)))
+        total = math.fsum(
+            max(
+                length(values[k : k + 6 : 2]),
+                length(values[k + 1 : k + 6 : 2]) / self.assembly.length_m,
+            )
+            for k in range(0, len(values), 6)
+        )
         return total / len(self.assembly.free) / max(load, self.assembly.permanent_N)
 
     def spring_forces(self) -> dict[int, list[float]]:
