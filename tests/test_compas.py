@@ -255,50 +255,32 @@ def test_an_assembly_of_compas_cra_has_forces_at_its_interfaces(tmp_path: Path) 
     assert region.outline.area == pytest.approx(0.24)
 
 
-@pytest.mark.parametrize("kind", [assembly, named])
-def test_results_are_in_the_unit_and_the_axes_of_the_file(
-    kind: Callable[[], dict[str, Any]], tmp_path: Path
-) -> None:
-    """In mm, with y upwards: a block of 400 x 1000 x 600 whose foot is at y = 0."""
-    path, results = tmp_path / "model.json", tmp_path / "results.json"
-    path.write_text(json.dumps(in_millimetres(kind())))
-    entry = {"file": path.name, "unit": "mm", "up": "y"}
-    described = {"blocks": {"vault": entry}, "load": {"acceleration": [1, 0, 0]}}
-    (tmp_path / "own.yaml").write_text(json.dumps(described))
-    found = run("assembly", str(tmp_path / "own.yaml"), "--compas", str(results))
-    assert found.exit_code == 0, found.output
-    content = json.loads(results.read_text())
-    if kind is named:
-        data = content["data"]
-        (edge,) = data["edge_data"].values()
-        points, force = edge["contact_polygon"]["data"]["points"], edge["resultant_global"]
-        weight = 0.24 * 2600 * GRAVITY
-        assert (force[1], force[2]) == pytest.approx((weight, 0.0), abs=1e-6 * weight)
-        moves = np.array(data["node_data"]["3"]["transformation"]["data"]["matrix"])
-        toe = np.array([400.0, 0.0, -300.0, 1.0])
-        assert moves @ toe == pytest.approx(toe, abs=1e-3)
-        assert 50.0 < (moves @ [200.0, 500.0, -300.0, 1.0])[0] - 200.0 < 200.0
-    else:
-        (interface,) = content["data"]["graph"]["data"]["edge"]["0"]["3"]["interfaces"]
-        points = interface["data"]["points"]
-        assert interface["data"]["size"] == pytest.approx(0.24e6)
-    assert sorted(map(tuple, np.round(points, 6).tolist())) == [
-        (x, 0.0, z) for x in (0.0, 400.0) for z in (-600.0, 0.0)
-    ]
+def in_millimetres(content: dict[str, Any]) -> dict[str, Any]:
+    """An object of `named` in mm, with y upwards."""
+    if "matrix" in content:
+        return {"matrix": [[1, 0, 0, 0], [0, 1, 0, 5e3], [0, 0, 1, 0], [0, 0, 0, 1]]}
+    if "z" in content:
+        return {"x": 1e3 * content["x"], "y": 1e3 * content["z"], "z": -1e3 * content["y"]}
+    return content
 
 
-def in_millimetres(content: Any) -> Any:
-    """``content`` of COMPAS in mm, with y upwards."""
-    if isinstance(content, list):
-        return [in_millimetres(each) for each in content]
-    if not isinstance(content, dict):
-        return content
-    if content.keys() == {"x", "y", "z"}:
-        x, y, z = (1000.0 * content[axis] for axis in "xyz")
-        return {"x": x, "y": z, "z": -y}
-    if "matrix" in content:  # 5 m upwards
-        return {"matrix": [[1, 0, 0, 0], [0, 1, 0, 5000.0], [0, 0, 1, 0], [0, 0, 0, 1]]}
-    return {key: in_millimetres(each) for key, each in content.items()}
+def test_results_are_in_the_unit_and_the_axes_of_the_file(tmp_path: Path) -> None:
+    path, results = tmp_path / "own.yaml", tmp_path / "results.json"
+    model = json.loads(json.dumps(named()), object_hook=in_millimetres)
+    (tmp_path / "model.json").write_text(json.dumps(model))
+    entry = "{file: model.json, unit: mm, up: y}"
+    path.write_text(f"blocks: {{vault: {entry}}}\nload: {{acceleration: [1, 0, 0]}}\n")
+    assert run("assembly", str(path), "--compas", str(results)).exit_code == 0
+    data = json.loads(results.read_text())["data"]
+    (edge,) = data["edge_data"].values()
+    points = np.round(edge["contact_polygon"]["data"]["points"], 6).tolist()
+    assert sorted(points) == [[x, 0.0, z] for x in (0.0, 400.0) for z in (-600.0, 0.0)]
+    weight = 0.24 * 2600 * GRAVITY
+    assert edge["resultant_global"][1:] == pytest.approx([weight, 0.0], abs=1e-6 * weight)
+    moves = np.array(data["node_data"]["3"]["transformation"]["data"]["matrix"])
+    toe = np.array([400.0, 0.0, -300.0, 1.0])
+    assert moves @ toe == pytest.approx(toe, abs=1e-3)
+    assert 50.0 < (moves @ [200.0, 500.0, -300.0, 1.0])[0] - 200.0 < 200.0
 
 
 @pytest.mark.parametrize(
