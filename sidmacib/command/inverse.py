@@ -13,11 +13,11 @@ from sidmacib.command.output import plot
 from sidmacib.drawing import GREEN, ORANGE
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
-from sidmacib.joint.parameters import PARAMETERS
+from sidmacib.joint.parameters import PARAMETERS, SIZES
 from sidmacib.quantities import Number, number_in, shown
 from sidmacib.rule.inverse import (
     MOST,
-    SIZES,
+    VARIED,
     Candidate,
     Demand,
     Prices,
@@ -57,9 +57,9 @@ def values_of(given: Sequence[str]) -> Values:
     found: Values = {}
     for text in given:
         name, equals, spelled = text.partition("=")
-        if not equals or name not in SIZES or name in found:
+        if not equals or name not in VARIED or name in found:
             words = "is there twice" if name in found else "is not allowed"
-            allowed = f"one each of {', '.join(SIZES)}, as in a=0.04:0.12:0.01 or locks=3,5"
+            allowed = f"one each of {', '.join(VARIED)}, as in a=0.04:0.12:0.01 or locks=3,5"
             raise click.UsageError(f"--vary: {shown(text)} {words}; it must be {allowed}")
         number = LOCKS if name == "locks" else PARAMETERS[name].number
         assert number is not None
@@ -128,7 +128,7 @@ def candidate_rows(
     reliability: Reliability,
 ) -> list[Row]:
     """Varied parameters, capacity and cost of each joint."""
-    units = {"locks": "locks", **{name: f"{name} (m)" for name in SIZES[1:]}}
+    units = {"locks": "locks", **{name: f"{name} (m)" for name in SIZES}}
     rows, what = [], "safe" if reliability == DESIGN_VALUES else "design"
     for each in candidates:
         joint = each.joint

@@ -100,7 +100,7 @@ _TABLE = (
     Parameter("hold_down", "what holds the joint down"),
 )
 PARAMETERS = {parameter.name: parameter for parameter in _TABLE}
-SIZES = ("a", "b", "h", "H")
+SIZES = tuple(name for name, each in PARAMETERS.items() if each.number and each.number.unit == "m")
 
 
 def with_parameters(joint: Joint, values: Mapping[str, Any]) -> Joint:

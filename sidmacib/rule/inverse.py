@@ -13,11 +13,12 @@ from itertools import product
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
+from sidmacib.joint.parameters import SIZES
 from sidmacib.rule import SPANS, weak_failures
 from sidmacib.rule.reliability import DESIGN_VALUES, Reliability, design_resistance
 from sidmacib.validation import refused, require_not_negative
 
-SIZES = ("locks", "a", "b", "h", "H")  # what may vary
+VARIED = ("locks", *SIZES)
 MOST = 20_000  # joints in one search
 REFUSALS = (CapacityError, ValueError, ArithmeticError)
 
@@ -232,14 +233,14 @@ def cheapest_of(candidates: Sequence[Candidate], prices: Prices = AREA) -> Candi
 def variants(joint: Joint, values: Mapping[str, Sequence[float]]) -> tuple[Joint, ...]:
     """``joint`` with all combinations of ``values``.
 
-    ValueError for a name that is not in `SIZES`, for no or more than `MOST` combinations, for locks
-    that differ, and as for a `Joint`.
+    ValueError for a name that is not in `VARIED`, for no or more than `MOST` combinations, for
+    locks that differ, and as for a `Joint`.
     """
     if joint.different:
         raise refused("different", "locks that differ", "none where the number or size is sought")
     for name in values:
-        if name not in SIZES:
-            raise refused("values", name, f"one of {', '.join(SIZES)}")
+        if name not in VARIED:
+            raise refused("values", name, f"one of {', '.join(VARIED)}")
     count = math.prod(len(each) for each in values.values())
     if not 0 < count <= MOST:
         raise refused("values", f"{count} joints", f"1 to {MOST} joints")
@@ -250,4 +251,4 @@ def variants(joint: Joint, values: Mapping[str, Sequence[float]]) -> tuple[Joint
 
 
 def _order(joint: Joint, prices: Prices) -> tuple[float, ...]:
-    return prices.of(joint), *(getattr(joint, name) for name in SIZES)
+    return prices.of(joint), *(getattr(joint, name) for name in VARIED)
