@@ -17,19 +17,33 @@ from pathlib import Path
 from sidmacib.engines import Engine, Numerics, engine_environment
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.results import check_first_failure, read_outcome
-from sidmacib.engines.scripts.assembly import Guide
+from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
 from sidmacib.engines.scripts.children import ENDS_WITH_PARENT
 from sidmacib.engines.scripts.records import NO_ANSWER, OUTPUTS
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Assembly, Cuboid, Failure, Kind, Loads
+from sidmacib.mechanics.assembly import (
+    OF_BONDS,
+    SOFTENED,
+    Assembly,
+    Cuboid,
+    FaceMaterial,
+    Failure,
+    Kind,
+    Loads,
+)
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import compliance
 from sidmacib.mechanics.static import static_peak
 from sidmacib.model import Ability
 from sidmacib.problem import Outcome, Problem
 from sidmacib.structure.loads import SupportMotion
+from sidmacib.validation import kinds_of
 
 HOUR = 3600.0  # s
+# Numbers of a law that no script reads; bonds that soften are refused as a whole.
+NOT_GIVEN = [
+    each for each in kinds_of(FaceMaterial) if each not in {*kinds_of(GivenMaterial), *SOFTENED}
+]
 USUAL = Numerics()
 TAIL_LINES = 20
 KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was killed
@@ -121,8 +135,9 @@ def _refusals(engine: Engine, assembly: Assembly, loads: Loads | None) -> Iterat
         yield f"pieces are {kinds[0]}; this engine models only {kinds[1]} pieces"
     for face in assembly.faces:
         law, inner = face.material, face.kind is Kind.INNER
-        if inner and law.bond_friction:
-            yield f"{face.name} has a bond_friction of {law.bond_friction:g}; it must be 0"
+        for name in NOT_GIVEN:
+            if (inner or name not in OF_BONDS) and (value := getattr(law, name)):
+                yield f"{face.name} has a {name} of {value:g}; it must be 0"
         unequal = law.normal_stiffness != law.shear_stiffness
         if inner and unequal and Ability.TWO_STIFFNESSES not in engine.abilities:
             yield (

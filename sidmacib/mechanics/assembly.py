@@ -65,6 +65,7 @@ class FaceMaterial:
 
 
 SOFTENED = ("residual", "fracture_energy")  # numbers of bonds that soften
+OF_BONDS = (*SOFTENED, "bond_friction")  # of no use on dry faces
 
 
 class Failure(StrEnum):

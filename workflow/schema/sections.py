@@ -18,7 +18,7 @@ from sidmacib.engines import Numerics
 from sidmacib.joint import DRY, INNER, HeldDown, HoldDown, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.joint.parameters import SIZES
-from sidmacib.mechanics.assembly import SOFTENED, FaceMaterial, Failure, NodeLayout
+from sidmacib.mechanics.assembly import OF_BONDS, FaceMaterial, Failure, NodeLayout
 from sidmacib.models import RESISTANCES
 from sidmacib.quantities import (
     FractureEnergy,
@@ -117,7 +117,6 @@ class NumericsChanges(changes_to(NumericsSection)):  # type: ignore[misc]
 
 
 MOST_LOCKS = 101
-OF_BONDS = (*SOFTENED, "bond_friction")  # not keys of dry faces
 
 _Weight = Annotated[float, Number(above=0, unit="kg/m3")]
 _Cohesion = Annotated[float, Number(above=0, unit="Pa")]
