@@ -41,6 +41,7 @@ from workflow.step import ROOT
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
 RATIOS = [round(0.02 * n, 2) for n in range(50)]
 CURVE = [0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, float("inf")]  # e / a
+DISTINCT = [name for name, engine in ENGINES.items() if not engine.elastic]
 STATIC = {"models": ["static"], "dem": {"engines": []}}
 ENGINE = {"models": [], "dem": {"engines": ["yade"]}}
 TWO, FOUR = ({f"n{n}": {"locks": n} for n in some} for some in ((3, 5), (3, 5, 7, 9)))
@@ -166,7 +167,7 @@ def process_figures(folder: Path) -> Iterator[Figure]:
     alone = seconds(lambda: capacities(500))
     added = (job_seconds(folder / "batch", "static") - alone) / 500
     yield Figure("added to a static case", "ms CPU", 1e3 * added)
-    for engine in ("yade", "liggghts"):
+    for engine in DISTINCT:
         used(study({**ENGINE, **ONE, "dem": {"engines": [engine]}}, folder, engine), ROOT)
         yield Figure(f"a case of {engine}", "CPU-s", job_seconds(folder / engine, engine))
     case = [sys.executable, "-m", "analysis", "case", *one[4:], "--case", "n3-mesh0.02-e0a"]
@@ -186,7 +187,7 @@ def study_figures(results: Path) -> Iterator[Figure]:
         yield Figure("study: all cases", "CPU-s", times["cpu"].sum())
         engines = times["kind"].isin(ENGINES)
         yield Figure("study: cases in engines", "CPU-s", times.loc[engines, "cpu"].sum())
-    for engine in ("yade", "liggghts"):
+    for engine in DISTINCT:
         found = sorted((results / "cases" / engine).glob(f"*/{RESULT}"))
         steps = {path.parent.name: json.loads(path.read_text())["time_steps"] for path in found}
         both = [name for name in steps if f"{name}-unguided" in steps]
