@@ -159,7 +159,7 @@ def test_next_to_no_tensile_strength_carries_as_much_as_none(failure: Failure) -
 def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: float) -> None:
     model = one_lock(fading(energy, residual), Failure.SOFTENING, 0.03)
     contact_law, fade = ContactLaw.of(model), Softening.of(model)
-    state = NodeState.initial(contact_law)
+    state = NodeState.initial(contact_law.cohesive)
     last = 2 * energy / INNER.cohesion
     rise = 2.0 * INNER.cohesion / INNER.shear_stiffness
     moves = np.union1d(np.linspace(0.0, rise, 40), np.linspace(0.0, 1.2 * last, 200))
@@ -197,7 +197,7 @@ def test_each_way_of_failing_fades_by_its_own_strength(way: str, tougher: str) -
     moved = 0.6 * last
     force = np.zeros((len(contact_law.friction), 3))
     force[:, 1 if way == "shear" else 0] = stiffness * moved * (1.0 if way == "shear" else -1.0)
-    found = fade.left(contact_law, NodeState.initial(contact_law), force)
+    found = fade.left(contact_law, NodeState.initial(contact_law.cohesive), force)
     start = strength / material.shear_stiffness
     carried = strength * (last - moved) / (last - start)
     assert found == pytest.approx(carried / (material.shear_stiffness * moved))
@@ -206,7 +206,9 @@ def test_each_way_of_failing_fades_by_its_own_strength(way: str, tougher: str) -
 def test_what_is_left_never_grows() -> None:
     model = one_lock(fading(10.0), Failure.SOFTENING, 0.03)
     contact_law, fade = ContactLaw.of(model), Softening.of(model)
-    state = replace(NodeState.initial(contact_law), whole=np.full(len(contact_law.friction), 0.3))
+    state = replace(
+        NodeState.initial(contact_law.cohesive), whole=np.full(len(contact_law.friction), 0.3)
+    )
     none = np.zeros((len(contact_law.friction), 3))
     assert fade.left(contact_law, state, none) == pytest.approx(0.3)
 

@@ -70,7 +70,7 @@ def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: f
     solver = RigidSolver(model, loads)
     nearest = min(path, key=lambda point: abs(point.load - load))
     # In one step, as the programme.
-    initial = NodeState.initial(solver.contact_law)
+    initial = NodeState.initial(solver.contact_law.cohesive)
     newton = solver.solve(load, nearest.unknowns, initial).force
     programme = least_energy_forces(model, loads, load)
     assert programme == pytest.approx(newton, abs=3e-6 * load)

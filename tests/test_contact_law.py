@@ -77,7 +77,7 @@ def test_the_tangent_is_the_derivative_of_the_force(
 
 def bonds(joint: Joint) -> tuple[ContactLaw, NodeState]:
     contact_law = ContactLaw.of(block_on_ground(joint, Kind.INNER, 0.02))
-    return contact_law, NodeState.initial(contact_law)
+    return contact_law, NodeState.initial(contact_law.cohesive)
 
 
 @given(st.floats(0.0, 3.0), st.floats(-3.0, 3.0), st.floats(0, 2 * math.pi))

@@ -180,7 +180,7 @@ class RigidSolver(Solver):
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
-        initial = NodeState.initial(self.contact_law)
+        initial = NodeState.initial(self.contact_law.cohesive)
         return self.solve(0.0, self._outside(self.rest), initial, thorough=True)
 
     def solve(

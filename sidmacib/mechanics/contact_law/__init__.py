@@ -151,9 +151,9 @@ class NodeState:
         return replace(self, slip=np.where(self.bonded[:, None], self.slip, jump[:, 1:]))
 
     @classmethod
-    def initial(cls, contact_law: ContactLaw) -> "NodeState":
-        """No slip yet, and every cohesive node bonded."""
-        return cls(np.zeros((len(contact_law.friction), 2)), contact_law.cohesive.astype(float))
+    def initial(cls, bonded: Flags) -> "NodeState":
+        """No slip yet, and ``bonded`` nodes, (N,), with whole bonds."""
+        return cls(np.zeros((len(bonded), 2)), bonded.astype(float))
 
 
 def components(vectors: Floats) -> Floats:

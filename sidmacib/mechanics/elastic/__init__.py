@@ -132,7 +132,7 @@ class ElasticSolver(Solver):
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
-        initial = NodeState.initial(self.contact_law)
+        initial = NodeState.initial(self.contact_law.cohesive)
         return self.solve(0.0, np.zeros(len(self.kept)), initial, thorough=True)
 
     def solve(

@@ -70,7 +70,7 @@ def interface_forces(
     """
     law, area = ContactLaw.of(assembly), assembly.nodes.area
     limit = law.friction * force[:, 0]
-    state = state or NodeState.initial(law)
+    state = state or NodeState.initial(law.cohesive)
     used = np.where(state.bonded, utilisation(law, state, force), 0.0)
     nothing = ROUNDING * float(np.abs(force).max(initial=0.0))
     crushing = crushing_use(assembly, force)
@@ -171,9 +171,7 @@ def interfaces_of(assembly: Assembly, outcome: Outcome) -> tuple[InterfaceRow, .
     force, bonded, peak = outcome.state.force, outcome.state.bonded, outcome.path[-1].load
     if force is None:
         return ()
-    state = None
-    if bonded is not None:
-        state = NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
+    state = None if bonded is None else NodeState.initial(bonded)
     failing = {face: load / peak for face, load in outcome.broken_at.items()}
     size = float(np.abs(force).max(initial=0.0))
     units = {"N": size, "Nm": size * assembly.length, "m": assembly.length}
