@@ -224,8 +224,8 @@ def test_a_path_of_two_increments_does_not_agree_with_itself_by_chance() -> None
         h=0.0391252,
         H=0.159497,
         density=3830.22,
-        inner=FaceMaterial(1e10, 4.31253e8, 0.0, 8e4 / 1.06, 48381.5 / 1.06),
-        dry=FaceMaterial(5.20322e7, 1.85253e8, 0.305595, 0.0, 0.0),
+        inner=FaceMaterial(1e13, 4.31253e11, 0.0, 8e4 / 1.06, 48381.5 / 1.06),
+        dry=FaceMaterial(5.20322e10, 1.85253e11, 0.305595, 0.0, 0.0),
         upper_body=UpperBody.MONOLITHIC,
         hold_down=HoldDown.pressure(4439.52),
     )

@@ -295,8 +295,8 @@ def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> 
     # 1.685 N without friction.
     joint = Joint(
         *(2, 0.0312447, 0.05, 0.00711641, 0.0155195, 199.281),
-        inner=stone(1e10, 2.2187e8, 8e4, 1.22258e5),
-        dry=FaceMaterial(6.26927e6, 6.26927e7, 0.0127907, 0.0, 0.0),
+        inner=stone(1e15, 2.2187e13, 8e4, 1.22258e5),
+        dry=FaceMaterial(6.26927e11, 6.26927e12, 0.0127907, 0.0, 0.0),
         upper_body=UpperBody.MONOLITHIC,
         first=Side.LOWER,
         hold_down=HoldDown.weight(),

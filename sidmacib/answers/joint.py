@@ -5,8 +5,9 @@ from functools import lru_cache
 
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.pieces import APART
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.solution import Mode, StaticSolution
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
@@ -44,6 +45,8 @@ class JointAnswer:
         if not self.load:
             return "nothing is carried"
         which = "lowest peak found" if self.solution.spread else "peak"
+        if self.solution.mode is Mode.APART:
+            return f"{which}; beyond it locks come apart by over {100 * APART:g} % of their height"
         return f"{which}; beyond it pieces turn by over 2 degrees" if self.solution.turns else which
 
 

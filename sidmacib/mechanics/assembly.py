@@ -275,8 +275,9 @@ class Assembly:
 
     ``length`` (m) converts rotations to displacements and moments to forces. ``failure`` applies
     to all inner faces. ``mesh`` (m) and ``layout`` are those of the nodes; the finite elements of
-    elastic pieces use the same. ValueError unless both lengths are above 0, and for bonds with
-    friction that are not brittle.
+    elastic pieces use the same. ``most_opening`` (m): of a face, before a bond fails; beyond it
+    pieces are no longer held as where they were built. ValueError unless lengths are above 0, and
+    for bonds with friction that are not brittle.
     """
 
     pieces: tuple[Piece, ...]
@@ -286,12 +287,14 @@ class Assembly:
     failure: Failure = Failure.BRITTLE
     mesh: float = math.inf
     layout: NodeLayout = NodeLayout.LOBATTO
+    most_opening: float = math.inf
 
     def __post_init__(self) -> None:
         require_positive(length=self.length)
         require_member(NodeLayout, layout=self.layout)
-        if not self.mesh > 0.0:
-            raise refused("mesh", self.mesh, "more than 0")
+        for name in ("mesh", "most_opening"):
+            if not getattr(self, name) > 0.0:
+                raise refused(name, getattr(self, name), "more than 0")
         rough = next(filter(None, (face.material.bond_friction for face in self.faces)), 0.0)
         if rough and self.failure is not Failure.BRITTLE:
             raise refused("bond_friction", rough, f"0, as failure is {self.failure}")

@@ -153,6 +153,7 @@ class RigidSolver(Solver):
         )
         for each in (self.contacts, self.soft):
             whole_faces(each, self.here)
+        self.most_opening = assembly.most_opening
         self.place = (order.begin[:, None] + np.arange(RIGID)).ravel()
         self.units, self.rows = row_units(assembly), free_rows(assembly)
         self.stiffness, softer = _stiffest(self.contacts), _stiffest(self.soft)
@@ -210,7 +211,8 @@ class RigidSolver(Solver):
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
         rotation = float(np.linalg.norm(unknowns.reshape(-1, RIGID)[:, 3:], axis=1).max())
-        return Equilibrium(load, unknowns, displacement, force.T, after, rotation)
+        opening = -float(here.moved[0].min())
+        return Equilibrium(load, unknowns, displacement, force.T, after, rotation, opening)
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""

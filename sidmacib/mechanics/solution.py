@@ -1,5 +1,6 @@
 """Results of solvers and the static model: equilibria, first failure, path to the peak."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -21,7 +22,7 @@ class Equilibrium:
     ``displacement``: along the load, in m. ``force``: (N, 3) in N, the force of the piece below
     each node on the piece above in the frame of the face: normal (compression positive) and two
     tangents. ``state``: of the nodes. ``rotation``: the largest of a piece, in rad; of an elastic
-    one on average.
+    one on average. ``opening``: the largest of a face, at a node, in m.
     """
 
     load: float
@@ -30,18 +31,21 @@ class Equilibrium:
     force: Floats
     state: NodeState
     rotation: float
+    opening: float
 
 
 class Solver:
     """Finds equilibria of an assembly along a path of loading.
 
     ``contact_law``: of its nodes. ``scale``: of its loads, in N. ``precision``: of the loads at
-    which a path turns, over them.
+    which a path turns, over them. ``most_opening``: of a face, see
+    `sidmacib.mechanics.assembly.Assembly`, in m.
     """
 
     contact_law: ContactLaw
     scale: float
     precision = LEAST_INCREMENT
+    most_opening = math.inf
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
@@ -68,6 +72,7 @@ class OtherSearches(Solver):
     def __init__(self, solver: Solver) -> None:
         self.solver, self.contact_law = solver, solver.contact_law
         self.scale, self.precision = solver.scale, solver.precision
+        self.most_opening = solver.most_opening
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
@@ -78,16 +83,19 @@ class OtherSearches(Solver):
         return self.solver.lift(point, load)
 
 
-class SmallRotations(OtherSearches):
-    """A ``solver`` that finds no equilibria where a piece has turned by more than ``most`` (rad).
+class SmallMotions(OtherSearches):
+    """A ``solver`` that finds no equilibria where pieces have turned, or faces opened, too far.
 
-    Forces are balanced where pieces were built: what it finds there need not exist. ``exceeded``:
-    whether the last search ended with such an equilibrium.
+    Forces are balanced where pieces were built: what it finds there need not exist. ``rotation``
+    (rad) and ``opening`` (m): the largest that are allowed. ``exceeded``: whether the last search
+    ended with such an equilibrium.
     """
 
-    def __init__(self, solver: Solver, most: float) -> None:
+    def __init__(
+        self, solver: Solver, rotation: float = math.inf, opening: float = math.inf
+    ) -> None:
         super().__init__(solver)
-        self.most, self.exceeded = most, False
+        self.rotation, self.opening, self.exceeded = rotation, opening, False
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
@@ -95,9 +103,12 @@ class SmallRotations(OtherSearches):
         """Equilibrium at ``load`` (N), see `Solver`."""
         self.exceeded = False
         found = self.solver.solve(load, guess, state, thorough=thorough)
-        self.exceeded = found.rotation > self.most
+        self.exceeded = found.rotation > self.rotation or found.opening > self.opening
         if self.exceeded:
-            raise NoEquilibriumError(f"at {load:g} N a piece turns by {found.rotation:.2g} rad")
+            raise NoEquilibriumError(
+                f"at {load:g} N a piece turns by {found.rotation:.2g} rad, and a face opens by "
+                f"{found.opening:.2g} m"
+            )
         return found
 
 
@@ -115,6 +126,7 @@ class Mode(StrEnum):
     ROCKING = (
         "rocking"  # pieces are lifted against the permanent loads, and no bond is at its strength
     )
+    APART = "apart"  # locks come apart too far to be held as they are, and no bond has failed
 
 
 @dataclass(frozen=True)
@@ -139,7 +151,7 @@ class StaticSolution:
     ``refinement``: the factor on the increments of the load at which the first failure converged.
     ``spread``: of the peaks that were found, the highest less the lowest, over the lowest; see
     `sidmacib.mechanics.static.peaks`. ``turns``: whether it ends because a piece would turn too
-    far, with no bond at its strength, see `SmallRotations`.
+    far, with no bond at its strength, see `SmallMotions`.
     """
 
     first_failure_load: float

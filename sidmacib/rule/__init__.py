@@ -64,6 +64,7 @@ STRETCH = 1e-9  # by which a span may be exceeded, for rounding
 MOVES = {
     Mode.MECHANISM: "slides before a bond fails",
     Mode.ROCKING: "rocks before a bond fails",
+    Mode.APART: "locks come apart before a bond fails",
 }
 
 
@@ -246,6 +247,7 @@ def weak_failures(
         load = found.load
         if found.mode is not Mode.BONDS:
             load /= margin
+        if found.mode in (Mode.MECHANISM, Mode.ROCKING):
             with suppress(CapacityError):  # friction alone holds it, and is used up where it moves
                 load = min(load, first_failure(smooth, loading, cells).load / PATH)
         yield load, found.mode

@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sidmacib.joint.pieces import APART
 from sidmacib.mechanics.assembly import (
     Assembly,
     FaceMaterial,
+    Failure,
     Kind,
     NodeLayout,
 )
@@ -92,7 +94,8 @@ def structure(
         nodes = NodeLayout.LOBATTO if bonded else NodeLayout.VERTICES
     of_faces = polygon_nodes(faces, mesh, nodes)
     length = float(np.mean(free))
-    return Assembly(pieces, faces, of_faces, length, mesh=mesh, layout=nodes)
+    most = min((APART * row.locks.height for row in rows.values()), default=math.inf)
+    return Assembly(pieces, faces, of_faces, length, Failure.BRITTLE, mesh, nodes, most)
 
 
 def _require_once(names: Sequence[str], allowed: str) -> None:

@@ -90,6 +90,7 @@ class ElasticSolver(Solver):
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
         self.contact_law, self.scale = ContactLaw.of(assembly), loads.scale
+        self.most_opening = assembly.most_opening
         normal, shear = self.contact_law.normal_stiffness, self.contact_law.shear_stiffness
         # No unknowns for shear at nodes that never carry any.
         self.rough = self.contact_law.cohesive | (self.contact_law.friction > 0.0)
@@ -297,4 +298,5 @@ class ElasticSolver(Solver):
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
         turned = np.linalg.norm(motion.reshape(-1, RIGID)[:, 3:], axis=1).max() / self.length
-        return Equilibrium(load, jump, along, force, state.after(opened), float(turned))
+        after, largest = state.after(opened), -float(opened[:, 0].min())
+        return Equilibrium(load, jump, along, force, after, float(turned), largest)

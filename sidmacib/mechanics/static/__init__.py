@@ -4,7 +4,8 @@ The load rises in increments, so that friction has its history. When a node reac
 loses all of it at once, together with the nodes that fail at the same load, and a new equilibrium
 is sought at that load; if there is none, the load is the peak. A solver finds the equilibria: one
 for rigid pieces, one for elastic pieces. Equilibria in which a piece has turned by more than 2
-degrees where bonds have failed do not count: forces are balanced where pieces were built.
+degrees where bonds have failed do not count: forces are balanced where pieces were built. Before,
+locks may not come apart by more than a share of their height.
 
 Pieces may also move away while all bonds are whole. To see how, the model pushes them slightly
 beyond the peak, against drag. If that lifts them against the permanent loads they rock; otherwise
@@ -28,7 +29,7 @@ from sidmacib.mechanics.solution import (
     Equilibrium,
     FirstFailure,
     Mode,
-    SmallRotations,
+    SmallMotions,
     Solver,
     StaticSolution,
 )
@@ -53,6 +54,7 @@ MOST_DISPLACEMENT = 200.0  # over that of whole bonds, as in the engines; more i
 MOST_ROTATION, TURNED = 0.035, 2.0
 BEYOND = 0.01  # over the peak: excess of the load at which the motion of the pieces is seen
 LIFT = 1e-3  # least fraction of the motion that counts as lifting; rounding and elasticity: 1e-5
+NEARLY = 0.99  # of the largest opening: where a path ends that it limits
 TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
 
 
@@ -88,7 +90,8 @@ def first_failure_of(solver: Solver, increment: float | None = None) -> FirstFai
         path, failing, _ = _to_first_failure(solver)
     else:
         require_positive(increment=increment)
-        path, failing = _raised(solver, [solver.start()], increment / INCREMENT)
+        limited = SmallMotions(solver, opening=solver.most_opening)
+        path, failing = _raised(limited, [solver.start()], increment / INCREMENT)
     mode = Mode.BONDS if failing.any() else _motion(solver, path[-1])
     return FirstFailure(path[-1], failing, mode)
 
@@ -153,7 +156,7 @@ def _after_first_failure(
     ``other``: another path of the same assembly, if it is known.
     """
     first_failure, mode = path[-1].load, Mode.MECHANISM
-    near = _small_rotations(solver, path[-1])
+    near = _small_motions(solver, path[-1])
     while failing.any():
         thorough = other is None or path[-1].load < other.peak.load * (1.0 - HISTORY)
         after = _redistributed(near, path[-1], failing, thorough=thorough)
@@ -166,8 +169,8 @@ def _after_first_failure(
     return StaticSolution(first_failure, tuple(to_peak), mode, refinement, turns=turns), path[-1]
 
 
-def _small_rotations(solver: Solver, first_failure: Equilibrium) -> SmallRotations:
-    return SmallRotations(solver, max(MOST_ROTATION, TURNED * first_failure.rotation))
+def _small_motions(solver: Solver, first_failure: Equilibrium) -> SmallMotions:
+    return SmallMotions(solver, max(MOST_ROTATION, TURNED * first_failure.rotation))
 
 
 def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolution:
@@ -177,7 +180,7 @@ def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolutio
     first_failure = path[-1].load
     if not failing.any():
         return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1]))
-    near = _small_rotations(solver, path[-1])
+    near = _small_motions(solver, path[-1])
     increment, halved = SOFTENING_INCREMENT * (first_failure or scale), False
     # Bonds with next to no tensile strength fail before the load is raised, or soon after.
     moved = abs(path[-1].displacement)
@@ -204,6 +207,9 @@ def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolutio
 
 def _motion(solver: Solver, point: Equilibrium) -> Mode:
     """How pieces move away beyond the peak ``point``, where no bond is at its strength."""
+    whole = np.array_equal(point.state.whole, solver.contact_law.cohesive)
+    if whole and point.opening > NEARLY * solver.most_opening:
+        return Mode.APART
     load = point.load + BEYOND * max(point.load, LEAST_LOAD * solver.scale)
     return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
 
@@ -216,9 +222,11 @@ def _to_first_failure(solver: Solver) -> tuple[list[Equilibrium], Flags, float]:
     the first failure no longer changes and the path has at least `FEWEST` of them. The loads at the
     ends of two paths may agree by chance while both step over a failure, where the utilisation
     stays near 1 over a range of loads. So their utilisations are compared as well, see `_doubted`.
-    A path on which the solver gives up before a bond fails is not used.
+    A path on which the solver gives up before a bond fails is not used. No face opens by more
+    than is allowed.
     """
     start, refinement = solver.start(), 1.0
+    solver = SmallMotions(solver, opening=solver.most_opening)
     path, failing = _raised(solver, [start])
     if not any(point.state.slip.any() for point in path):
         return path, failing, refinement
