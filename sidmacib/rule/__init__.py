@@ -38,6 +38,7 @@ COARSE, FINE = 2, 4
 FINEST = 6  # for dry faces so stiff that four cells may not be enough
 ELASTIC, FINE_ELASTIC = 1, 2
 SAFETY, SAFETY_ELASTIC = 1.06, 1.12  # on strengths, and on a load at which a joint slides or rocks
+SHUT = 0.7  # of the opening at which locks come apart: by a quarter it depends on the mesh
 PATH = 1.01  # on a load that strengths hardly matter to: by 0.3 % it depends on the increments
 NOTHING = 1e-6  # over the strength of a lock: a load that is none
 STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
@@ -87,13 +88,16 @@ class JointFailure:
 
 
 @lru_cache(maxsize=256)  # law, safe rule and explorer need the same results
-def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> JointFailure:
+def first_failure(
+    joint: Joint, loading: Loading, cells: int | None = None, opening: float = 1.0
+) -> JointFailure:
     """The state in which the first face of ``joint`` reaches its strength, or the joint moves away.
 
-    ``cells``: along the shorter side of a lock; None for the least that suffice. ValueError for
-    joints that the law does not cover: fewer than two locks, locks that differ, joined columns,
-    bonds with friction or without strength. `CapacityError` if no pair of locks bears, or if
-    permanent loads alone make the joint fail, or nothing holds it.
+    ``cells``: along the shorter side of a lock; None for the least that suffice. ``opening``: of
+    faces, at most, over that at which locks come apart. ValueError for joints that the law does not
+    cover: fewer than two locks, locks that differ, joined columns, bonds with friction or without
+    strength. `CapacityError` if no pair of locks bears, or if permanent loads alone make the joint
+    fail, or nothing holds it.
     """
     _require_row(joint)
     if not bearing_pairs(joint, loading.push):
@@ -105,6 +109,7 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
         solver: Solver = _rigid(joint, cells).under(loads)
     else:
         solver = solver_of(assembly, loads)
+    solver.most_opening *= opening
     failure = first_failure_of(solver)
     if not failure.point.load > NOTHING * loads.scale:
         why = "fail under their permanent loads alone"
@@ -201,7 +206,8 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
     margin is on strengths, as where weight or a force holds a joint down a small loss of strength
     may cost much of the load. Where the joint slides or rocks first, the load is divided too, and
     is at most the one without friction, over `PATH`, if there is one: how much friction adds to it
-    depends on the history of the contacts, and so on the mesh and the increments.
+    depends on the history of the contacts, and so on the mesh and the increments. Faces open by no
+    more than `SHUT` of what the law allows.
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
     stiff as roots. The difference between the highest and the lowest is subtracted from the lowest.
@@ -243,13 +249,13 @@ def weak_failures(
     elif spans_of(joint)[STIFF] > STIFFER:
         meshes = COARSE, FINE, FINEST
     for cells in meshes:
-        found = first_failure(weak, loading, cells)
+        found = first_failure(weak, loading, cells, SHUT)
         load = found.load
         if found.mode is not Mode.BONDS:
             load /= margin
         if found.mode in (Mode.MECHANISM, Mode.ROCKING):
             with suppress(CapacityError):  # friction alone holds it, and is used up where it moves
-                load = min(load, first_failure(smooth, loading, cells).load / PATH)
+                load = min(load, first_failure(smooth, loading, cells, SHUT).load / PATH)
         yield load, found.mode
 
 
