@@ -21,8 +21,8 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import AMOUNTS, Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
-from sidmacib.mechanics.solution import Mode
 from sidmacib.rule import (
+    MOVES,
     PATH,
     SPANS,
     JointFailure,
@@ -116,7 +116,7 @@ def joint_note(case: Case, command: str) -> str:
         parameters=_parameters(joint),
         locks=_locks(state, joint),
         first=state.load,
-        moves="" if state.mode is Mode.BONDS else str(state.mode),
+        moves=MOVES.get(state.mode, ""),
         fractile=fractile,
         loads=loads,
         difference=below_meshes(loads),
