@@ -111,6 +111,16 @@ def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
     assert points.get_xdata() == pytest.approx([row["V (N)"] for row in rows])
 
 
+def test_a_late_peak_that_meshes_do_not_agree_on_says_what_to_use() -> None:
+    """120 N, and 33 N on a mesh of 5 mm, where the first failure is 17 N on all of them."""
+    weak, usual = (
+        answers("capacity", "-n", "5", "-e", "0.5", "-m", "static", *more)[0]["note"]
+        for more in (("--tensile-strength", "20000"), ())
+    )
+    assert weak.endswith("not converged: use the first failure")
+    assert usual == "peak"
+
+
 def test_weights_are_those_of_each_lock() -> None:
     rows = answers("weights", "-n", "5", "-e", "0.3")
     joint = Joint(5)

@@ -67,10 +67,12 @@ def _by_rule(
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.answers.joint import joint_answer, joint_mesh_error
+    from sidmacib.answers.structure_paths import SETTLED
 
     loading = Loading(direction, push=push)
     found, error = joint_answer(joint, loading), joint_mesh_error(joint, loading)
-    return Answer(found.load, found.why, found.first_failure, error, found.solution.spread)
+    late = "" if error is None or error <= SETTLED else "; not converged: use the first failure"
+    return Answer(found.load, found.why + late, found.first_failure, error, found.solution.spread)
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:

@@ -48,7 +48,7 @@ class FaceMaterial:
     tau_k), Pa. ``tensile_strength``: of a bond, Pa. ``residual``: of bonds that soften, the part
     of both strengths that remains. ``fracture_energy``: of bonds that soften, the work that uses up
     one strength, J/m2. ``bond_friction``: coefficient by which compression raises the shear
-    strength of a bond. ValueError for a number out of its range.
+    strength of a bond, and tension lowers it. ValueError for a number out of its range.
     """
 
     normal_stiffness: Stiffness
