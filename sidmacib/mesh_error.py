@@ -24,6 +24,7 @@ from sidmacib.problem import Failures, MeshErrors
 
 APART = 1.4  # least ratio of the cells along a side of two meshes that give an estimate
 DIGITS = 9  # of a relative error after the decimal point; the rest is rounding
+SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
 BEHIND = 0.002  # over the first failure: a peak further above it is a late peak
 
 

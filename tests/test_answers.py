@@ -16,9 +16,10 @@ from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
 from sidmacib.answers.structure import static_answer
-from sidmacib.answers.structure_paths import SETTLED, without_other_meshes
+from sidmacib.answers.structure_paths import without_other_meshes
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.static import static_peak
+from sidmacib.mesh_error import SETTLED
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.analysis.tilt import static_tilt

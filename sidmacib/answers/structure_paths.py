@@ -19,7 +19,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import MOST_ROTATION, static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
-from sidmacib.mesh_error import structure_mesh_errors
+from sidmacib.mesh_error import SETTLED, structure_mesh_errors
 from sidmacib.problem import Counts, Failures, MeshErrors, Problem
 from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.tilt import static_tilt
@@ -29,7 +29,6 @@ HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided int
 MOST_NODES = 6000  # on smaller cells than half: more take too much time and memory
 SMALL = 0.02  # mesh error of a peak before which no bond fails, over the peak: cells are not halved
 LOWER = 1e-3  # of a load: by less, the static model and limit analysis agree
-SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
 CRUSHING = "crushing"  # the mode where it limits the load
 NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the peak"
 

@@ -67,7 +67,7 @@ def _by_rule(
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.answers.joint import joint_answer, joint_mesh_error
-    from sidmacib.answers.structure_paths import SETTLED
+    from sidmacib.mesh_error import SETTLED
 
     loading = Loading(direction, push=push)
     found, error = joint_answer(joint, loading), joint_mesh_error(joint, loading)
