@@ -28,9 +28,9 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.validation import require_positive
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
-# Of a lock's height: by more of it locks may not come apart. They grip each other over that much
-# less, and carry as much less, which the margin of the safe rule covers. In LIGGGHTS four smooth
-# locks, held by their weight, come apart at a quarter of the load that they would carry in place.
+# Largest opening of a face, over the height of a lock. Locks that have moved apart by so much grip
+# each other over 5 % less of it; the margin of the safe rule covers that. In LIGGGHTS four smooth
+# locks, held by their weight, come apart at a quarter of the load that they carry in place.
 APART = 0.05
 JOINED = 1e3  # stiffness between joined columns over that of inner faces: almost rigid
 
@@ -59,9 +59,9 @@ def assemble(
         least = 1 if plate else max(2, int(cells_along(np.array([most]), mesh)[0]))
     pieces = cut_pieces(joint)
     faces = tuple(_faces(joint, pieces))
-    most = APART * joint.h if joint.interlocking and not plate else math.inf
+    opening = APART * joint.h if joint.interlocking and not plate else math.inf
     at = contact_nodes(faces, mesh, nodes, least)
-    return Assembly(pieces, faces, at, joint.a, joint.failure, mesh, nodes, most)
+    return Assembly(pieces, faces, at, joint.a, joint.failure, mesh, nodes, opening)
 
 
 def reassemble(joint: Joint, assembly: Assembly) -> Assembly:

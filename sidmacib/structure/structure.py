@@ -12,7 +12,6 @@ from sidmacib.joint.pieces import APART
 from sidmacib.mechanics.assembly import (
     Assembly,
     FaceMaterial,
-    Failure,
     Kind,
     NodeLayout,
 )
@@ -94,8 +93,10 @@ def structure(
         nodes = NodeLayout.LOBATTO if bonded else NodeLayout.VERTICES
     of_faces = polygon_nodes(faces, mesh, nodes)
     length = float(np.mean(free))
-    most = min((APART * row.locks.height for row in rows.values()), default=math.inf)
-    return Assembly(pieces, faces, of_faces, length, Failure.BRITTLE, mesh, nodes, most)
+    opening = min((APART * row.locks.height for row in rows.values()), default=math.inf)
+    return Assembly(
+        *(pieces, faces, of_faces, length), mesh=mesh, layout=nodes, most_opening=opening
+    )
 
 
 def _require_once(names: Sequence[str], allowed: str) -> None:

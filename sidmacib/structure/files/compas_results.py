@@ -123,7 +123,7 @@ def compas_results(
 
 
 def with_interfaces(
-    content: dict[str, Any], assembly: Assembly, force: Floats, frame: Floats = AS_IT_IS
+    content: dict[str, Any], assembly: Assembly, force: Floats, frame: Floats
 ) -> dict[str, Any]:
     """Give an assembly of compas_cra, as its JSON, these interfaces and forces at its edges.
 
