@@ -190,7 +190,7 @@ def test_first_failures_of_random_joints_do_not_depend_on_increments(space: Spac
         except CapacityError:
             continue
         answered += 1
-        assert load == pytest.approx(fine, rel=2e-2 if load < 0.1 * target.joint.T0 else 5e-3)
+        assert load == pytest.approx(fine, rel=5e-3)
 
 
 @pytest.mark.parametrize(("joint", "eccentricity"), FOUND)

@@ -84,7 +84,7 @@ def test_a_tall_joint_tips_about_its_outermost_nodes(H: float, force: float, mes
 def test_smooth_locks_without_a_plate_grip_each_other_over_their_height(
     locks: int, body: UpperBody, friction: float, hold_down: HoldDown, carried: float
 ) -> None:
-    """Carried: a convex programme of its own, on 2 to 6 cells a side. One cell: up to 29 % more."""
+    """Carried: by an independent convex programme. One cell over the height: up to 29 % more."""
     stiff = {"normal_stiffness": 1e12, "shear_stiffness": 1e12}
     inner, dry = replace(INNER, **stiff), replace(DRY, friction=friction, **stiff)
     joint = Joint(locks, inner=inner, dry=dry, upper_body=body, hold_down=hold_down)

@@ -295,7 +295,7 @@ def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> 
     # 1.685 N without friction.
     joint = Joint(
         *(2, 0.0312447, 0.05, 0.00711641, 0.0155195, 199.281),
-        inner=stone(1e15, 2.2187e13, 8e4, 1.22258e5),
+        inner=stone(1e15, 2.2187e13, 8e4, 1.22258e5),  # so stiff that locks hardly come apart
         dry=FaceMaterial(6.26927e11, 6.26927e12, 0.0127907, 0.0, 0.0),
         upper_body=UpperBody.MONOLITHIC,
         first=Side.LOWER,
@@ -307,4 +307,4 @@ def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> 
     problem = posed(joint, Loading(direction, push=Push.MINUS_Y), joint.least_side / 4)
     smooth = limit_load(*problem)
     assert smooth.load == pytest.approx(1.685, abs=1e-3)
-    assert 0.7 * smooth.load < found.load < smooth.load
+    assert 0.75 * smooth.load < found.load < smooth.load
