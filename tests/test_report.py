@@ -49,6 +49,12 @@ def test_its_configuration_starts_the_same_study_again(study: Study) -> None:
     assert again == study
 
 
+def test_its_configuration_keeps_a_variant_that_takes_a_key_away() -> None:
+    structure = {"description": {"span": 1.0}, "variants": {"dry": {"materials": None}}}
+    again = parsed(as_yaml({"samples": {}, "structures": {"arch": structure}}).encode())
+    assert again["structures"]["arch"] == structure
+
+
 def test_the_versions_of_engines_are_those_of_the_cases() -> None:
     rows = pd.DataFrame({"versions": ["yade 2022.01a", None, "liggghts 3.8.0, yade 2022.01a"]})
     versions = dict(versions_of({"cases": rows}))

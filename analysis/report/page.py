@@ -216,6 +216,8 @@ def as_yaml(configuration: Mapping[str, Any]) -> str:
         name: {key: value for key, value in sample.items() if value != {}}
         for name, sample in whole.get("samples", {}).items()
     }
+    for name, structure in whole.get("structures", {}).items():  # where null takes a key away
+        structure["variants"] = configuration["structures"][name]["variants"]
     text = yaml.safe_dump(whole, sort_keys=False, allow_unicode=True, width=100)
     return "# A study of multilock, with all defaults.\n" + text
 
