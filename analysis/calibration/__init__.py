@@ -6,6 +6,7 @@ friction and geometry, and curves.
 """
 
 from collections.abc import Mapping
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +71,7 @@ def calibrate(config: Path, results: str | None) -> None:
     write(curves, place / "curves.csv")
     own = table[table["candidate"].isin(of_study)]
     for name, figure in (
-        ("friction", frictions(grid, published)),
+        ("friction", frictions(by_friction, float(grid["misfit_printed"].min()), published)),
         ("geometry", geometries(grid, own)),
         ("curves", shapes(curves, set(of_study))),
     ):
@@ -105,16 +106,32 @@ def write(rows: pd.DataFrame, path: Path) -> None:
     rows.to_csv(path, index=False, float_format="%.10g")
 
 
-def frictions(grid: pd.DataFrame, published: Published) -> Figure:
-    """The least misfit, and the closest peaks, of any geometry over the friction."""
+def frictions(rows: pd.DataFrame, as_printed: float, published: Published) -> Figure:
+    """The least misfit, and the closest peaks, of any geometry over the friction.
+
+    ``rows``: see `friction_table`; ``as_printed``: the least misfit with the weights as printed.
+    """
     figure = Figure(figsize=(8.6, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    rows = friction_table(grid)
-    _friction(left, rows, "misfit_swapped", 1.0, published)
-    left.set_title("least misfit of any geometry", loc="left", fontsize=10)
-    _friction(right, rows, "least_peak_difference", 100.0, published)
+    printed, degrees = published.numbers["sample"]["friction"], read_as_degrees(published)
+    for axes, column, factor, title in (
+        (left, "misfit_swapped", 1.0, "least misfit of any geometry"),
+        (right, "least_peak_difference", 100.0, "closest peaks of any geometry (%)"),
+    ):
+        values = factor * rows[column]
+        axes.plot(rows["friction"], values, "o-", color=style.COLOURS[0], markersize=4)
+        for friction, words, colour in (
+            (printed, f"{printed:g}, as printed", style.COLOURS[5]),
+            (degrees, f"tan {printed:g}° (hypothesis)", style.COLOURS[2]),
+        ):
+            axes.axvline(friction, color=colour, linewidth=1.2, linestyle="--", label=words)
+        axes.set_xscale("symlog", linthresh=0.01, linscale=0.6)
+        axes.set_xlim(-0.0005, 1.15 * rows["friction"].max())
+        axes.set_xticks([0, 0.005, 0.01, 0.03, 0.1, 0.3], ["0", ".005", ".01", ".03", ".1", ".3"])
+        axes.set_ylim(0.0, 1.08 * values.max())
+        axes.set_xlabel("friction coefficient of the dry faces")
+        axes.set_title(title, loc="left", fontsize=10)
     right.axhline(100 * PEAK_AIM, color="#999999", linewidth=0.8)
-    right.set_title("closest peaks of any geometry (%)", loc="left", fontsize=10)
     left.legend(fontsize=9, loc="upper center")
     style.caption(
         figure,
@@ -122,7 +139,7 @@ def frictions(grid: pd.DataFrame, published: Published) -> Figure:
         "Right: the largest difference of a published peak, whatever the weights; grey: "
         f"{100 * PEAK_AIM:g} %. That 3DEC, whose friction is an angle, was given 0.3 degrees is a "
         "hypothesis, not known. With the weights as printed nothing comes below "
-        f"{grid['misfit_printed'].min():.1f}.",
+        f"{as_printed:.1f}.",
         height=0.24,
     )
     return figure
@@ -154,10 +171,25 @@ def shapes(curves: pd.DataFrame, of_study: set[str]) -> Figure:
     figure = Figure(figsize=(8.6, 5.4), layout="constrained")
     panels = figure.subplots(1, curves["locks"].nunique(), squeeze=False, sharey=True)[0]
     for axes, (locks, rows) in zip(panels, curves.groupby("locks"), strict=True):
-        _curves(axes, rows, int(str(locks)), of_study)
+        for (name, curve), colour in zip(
+            rows.groupby("candidate", sort=False), cycle(style.COLOURS), strict=False
+        ):
+            first, in_study = curve.iloc[0], str(name) in of_study
+            scaled = curve[["shear_N", "torque_Nm"]] / curve[["shear_N", "torque_Nm"]].max()
+            x, y = scaled.to_numpy().T
+            length = length_along(scaled.to_numpy())
+            turn = first["turn_from_shear"] * length[-1]
+            label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
+            label += ", the study's" * in_study
+            axes.plot(x, y, color=colour, linewidth=2.4 if in_study else 1.0, label=label)
+            corner = np.interp(turn, length, x), np.interp(turn, length, y)
+            axes.plot(*corner, "s", color=colour, markersize=5)
+        axes.set_xlabel("V / largest V")
+        axes.set_title(f"{locks} locks", loc="left", fontsize=10)
     panels[0].set_ylabel("M / largest M")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, fontsize=9, ncols=2, loc="outside upper center")
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), fontsize=9, ncols=2, loc="outside upper center"
+    )
     style.caption(
         figure,
         "V-M curves of the static model: the best joint of each a, and the study's (thick). "
@@ -166,24 +198,6 @@ def shapes(curves: pd.DataFrame, of_study: set[str]) -> Figure:
         height=0.13,
     )
     return figure
-
-
-def _friction(
-    axes: Axes, rows: pd.DataFrame, column: str, factor: float, published: Published
-) -> None:
-    """A value over the friction coefficient, with the printed one and the hypothetical marked."""
-    axes.plot(rows["friction"], factor * rows[column], "o-", color=style.COLOURS[0], markersize=4)
-    printed, degrees = published.numbers["sample"]["friction"], read_as_degrees(published)
-    for friction, words, colour in (
-        (printed, f"{printed:g}, as printed", style.COLOURS[5]),
-        (degrees, f"tan {printed:g}° (hypothesis)", style.COLOURS[2]),
-    ):
-        axes.axvline(friction, color=colour, linewidth=1.2, linestyle="--", label=words)
-    axes.set_xscale("symlog", linthresh=0.01, linscale=0.6)
-    axes.set_xlim(-0.0005, 1.15 * rows["friction"].max())
-    axes.set_xticks([0, 0.005, 0.01, 0.03, 0.1, 0.3], ["0", ".005", ".01", ".03", ".1", ".3"])
-    axes.set_ylim(0.0, 1.08 * factor * rows[column].max())
-    axes.set_xlabel("friction coefficient of the dry faces")
 
 
 def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, of_study: pd.DataFrame) -> None:
@@ -217,20 +231,3 @@ def _profile(axes: Axes, grid: pd.DataFrame, of_study: pd.DataFrame, column: str
         axes.set_title("least misfit", loc="left", fontsize=10)
     else:
         axes.set_yticklabels([])
-
-
-def _curves(axes: Axes, rows: pd.DataFrame, locks: int, of_study: set[str]) -> None:
-    for number, (name, curve) in enumerate(rows.groupby("candidate", sort=False)):
-        first, in_study = curve.iloc[0], str(name) in of_study
-        scaled = curve[["shear_N", "torque_Nm"]] / curve[["shear_N", "torque_Nm"]].max()
-        x, y = scaled.to_numpy().T
-        length = length_along(scaled.to_numpy())
-        turn = first["turn_from_shear"] * length[-1]
-        colour = style.COLOURS[number % len(style.COLOURS)]
-        label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
-        marked = ", the study's" if in_study else ""
-        axes.plot(x, y, color=colour, linewidth=2.4 if in_study else 1.0, label=f"{label}{marked}")
-        corner = np.interp(turn, length, x), np.interp(turn, length, y)
-        axes.plot(*corner, "s", color=colour, markersize=5)
-    axes.set_xlabel("V / largest V")
-    axes.set_title(f"{locks} locks", loc="left", fontsize=10)

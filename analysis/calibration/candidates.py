@@ -57,12 +57,7 @@ def candidates(study: Study, published: Published) -> Iterator[Trial]:
 def study_candidates(study: Study, published: Published) -> list[Trial]:
     """The joints of the study's published samples, each size and friction once."""
     joints = map(study.joint, published.samples(study))
-    return list(dict.fromkeys(map(trial_of, joints)))
-
-
-def trial_of(joint: Joint) -> Trial:
-    """The sizes and the friction of ``joint``."""
-    return Trial(joint.a, joint.b, joint.h, joint.H, joint.dry.friction)
+    return list(dict.fromkeys(Trial(j.a, j.b, j.h, j.H, j.dry.friction) for j in joints))
 
 
 def read_as_degrees(published: Published) -> float:
@@ -80,12 +75,10 @@ def candidate_study(
     return {
         "samples": {
             f"{name}_n{n}": {
-                "locks": n,
-                **{"a": candidate.a, "b": candidate.b, "h": candidate.h, "H": candidate.H},
-                "dry": {"friction": candidate.friction},
+                **{"locks": n, "a": each.a, "b": each.b, "h": each.h, "H": each.H},
+                "dry": {"friction": each.friction},
             }
-            for name, candidate in chosen.items()
-            for n in locks
+            for (name, each), n in product(chosen.items(), locks)
         },
         "materials": study.materials.model_dump(),
         "meshes": list(study.calibration.meshes),
@@ -113,17 +106,6 @@ def engine_study(study: Study, locks: Sequence[int], chosen: Mapping[str, Trial]
 Place = tuple[int, float]  # number of locks, mesh (m)
 
 
-def published_peak(published: Published, locks: int, mesh: float) -> float:
-    """The published peak (N); `ConfigError` if there is none for this mesh (m)."""
-    value = published.dem_pure_shear(locks, mesh)
-    if value is None:
-        raise ConfigError(
-            f"calibration.meshes: {mesh:g} m is not allowed; each must be one of the paper's "
-            "meshes, 0.02 or 0.005 m"
-        )
-    return value
-
-
 def misfit_table(
     study: Study, cases: pd.DataFrame, weights: pd.DataFrame, published: Published
 ) -> pd.DataFrame:
@@ -134,21 +116,21 @@ def misfit_table(
     keys = ["model", "sample", "mesh_m"]
     loads = cases.dropna(subset=["load_N"]).set_index(keys)["load_N"].to_dict()
     lists = weights.sort_values("lock").groupby(keys)["weight"].apply(list).to_dict()
-    by_name: dict[str, dict[str, int]] = {}
-    for sample, section in study.samples.items():
-        by_name.setdefault(sample.partition("_")[0], {})[sample] = section.locks
+    by_name: dict[str, list[str]] = {}
+    for sample in study.samples:
+        by_name.setdefault(sample.partition("_")[0], []).append(sample)
     rows = []
     for (name, samples), model in product(by_name.items(), cases["model"].unique()):
-        at = {(n, mesh): (model, s, mesh) for s, n in samples.items() for mesh in study.meshes}
-        if any(key not in loads or key not in lists for key in at.values()):
+        at = {
+            (study.samples[sample].locks, mesh): (model, sample, mesh)
+            for sample, mesh in product(samples, study.meshes)
+        }
+        if not (loads.keys() & lists.keys()).issuperset(at.values()):
             continue  # a case without a result
-        peaks = {place: float(loads[key]) for place, key in at.items()}
-        shares = {place: lists[key] for place, key in at.items()}
-        trial = trial_of(study.joint(next(iter(samples))))
+        peaks, shares = ({to: known[key] for to, key in at.items()} for known in (loads, lists))
+        sizes = size_columns(study.joint(samples[0]))
         rows.append(
-            {"candidate": name, "model": model, "friction": trial.friction}
-            | size_columns(trial)
-            | misfit_columns(peaks, shares, published)
+            {"candidate": name, "model": model} | sizes | misfit_columns(peaks, shares, published)
         )
     return pd.DataFrame(rows)
 
@@ -167,34 +149,26 @@ def misfit_columns(
     differences are within the targets.
     """
     finest = min(mesh for _, mesh in peaks)
-    relative = [peak / published_peak(published, *at) - 1.0 for at, peak in peaks.items()]
-    orders: dict[str, list[float]] = {"swapped": [], "printed": []}
-    largest = 0.0
+    known = [published.dem_pure_shear(*at) for at in peaks]
+    relative = np.array([*peaks.values()]) / np.array(known, dtype=float) - 1.0
+    farthest, largest = float(np.abs(relative).max()), 0.0
+    scaled = {name: [*(relative / PEAK_SCALE)] for name in ("swapped", "printed")}
+    shown: dict[str, float] = {}
     for (locks, mesh), computed in weights.items():
         first, second, *others = published.numbers["weights"][locks]
         swapped = np.subtract(computed, [second, first, *others])
         largest = max(largest, float(np.abs(swapped).max()))
         if mesh == finest:
-            orders["swapped"] += (swapped / WEIGHT_SCALE).tolist()
-            printed = np.subtract(computed, [first, second, *others])
-            orders["printed"] += (printed / WEIGHT_SCALE).tolist()
-    scaled = [difference / PEAK_SCALE for difference in relative]
-    farthest = float(np.abs(relative).max())
-    return (
-        {
-            f"misfit_{name}": float(np.sqrt(np.mean(np.square([*scaled, *differences]))))
-            for name, differences in orders.items()
-        }
-        | {"largest_peak_difference": farthest, "largest_weight_difference": largest}
-        | {"fits": farthest <= PEAK_AIM and largest <= WEIGHT_AIM}
-        | {f"peak_n{locks}_mesh{mesh:g}_N": peak for (locks, mesh), peak in peaks.items()}
-        | {
-            f"weight_n{locks}_lock{lock}": weight
-            for (locks, mesh), computed in weights.items()
-            if mesh == finest
-            for lock, weight in enumerate(computed, start=1)
-        }
-    )
+            scaled["swapped"] += [*(swapped / WEIGHT_SCALE)]
+            scaled["printed"] += [*(np.subtract(computed, [first, second, *others]) / WEIGHT_SCALE)]
+            shown |= {f"weight_n{locks}_lock{n}": each for n, each in enumerate(computed, start=1)}
+    return {
+        **{f"misfit_{name}": float(np.sqrt(np.mean(np.square(v)))) for name, v in scaled.items()},
+        **{"largest_peak_difference": farthest, "largest_weight_difference": largest},
+        "fits": farthest <= PEAK_AIM and largest <= WEIGHT_AIM,
+        **{f"peak_n{locks}_mesh{mesh:g}_N": peak for (locks, mesh), peak in peaks.items()},
+        **shown,
+    }
 
 
 def friction_table(table: pd.DataFrame) -> pd.DataFrame:
@@ -203,20 +177,21 @@ def friction_table(table: pd.DataFrame) -> pd.DataFrame:
     The row with the least misfit, whatever the geometry; how many geometries fit; and the least
     of the largest differences of a peak, for any weights.
     """
-    best = table.loc[table.groupby("friction")["misfit_swapped"].idxmin()].set_index("friction")
     groups = table.groupby("friction")
+    best = table.loc[groups["misfit_swapped"].idxmin()].set_index("friction")
     best["geometries_that_fit"] = groups["fits"].sum()
     best["least_peak_difference"] = groups["largest_peak_difference"].min()
     return best.reset_index().drop(columns=["candidate", "model"])
 
 
-def size_columns(trial: Trial) -> dict[str, float]:
-    """Sizes of a joint, and the two ratios that pure shear depends on."""
-    height = trial.h + trial.H
+def size_columns(joint: Joint) -> dict[str, float]:
+    """Friction and sizes of a joint, and the two ratios that pure shear depends on."""
+    height = joint.h + joint.H
     return {
-        **{"a_m": trial.a, "b_m": trial.b, "h_m": trial.h, "H_m": trial.H},
-        "height_share": round(trial.h / height, 9),  # as in the grid
-        "height_over_b": round(height / trial.b, 9),
+        "friction": joint.dry.friction,
+        **{"a_m": joint.a, "b_m": joint.b, "h_m": joint.h, "H_m": joint.H},
+        "height_share": round(joint.h / height, 9),  # as in the grid
+        "height_over_b": round(height / joint.b, 9),
     }
 
 
@@ -228,16 +203,12 @@ def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     finest = cases[np.isclose(cases["mesh_m"], min(study.meshes))].dropna(subset=["load_N"])
     for sample, curve in finest.groupby("sample"):
-        ordered = curve.sort_values("eccentricity_over_a")
-        points = ordered[["shear_N", "torque_Nm"]].to_numpy()
+        points = curve.sort_values("eccentricity_over_a")[["shear_N", "torque_Nm"]]
         joint = study.joint(str(sample))
-        shape = two_parts(points)
-        sizes = size_columns(trial_of(joint))
-        names = {"candidate": str(sample).partition("_")[0], "friction": joint.dry.friction}
-        rows += [
-            {**names, **sizes, "locks": joint.locks, "shear_N": shear, "torque_Nm": torque, **shape}
-            for shear, torque in points
-        ]
+        names = {"candidate": str(sample).partition("_")[0], **size_columns(joint)}
+        names |= {"locks": joint.locks}
+        shape = two_parts(points.to_numpy())
+        rows += [names | point | shape for point in points.to_dict("records")]
     return pd.DataFrame(rows)
 
 
@@ -284,9 +255,12 @@ def check(study: Study, published: Published) -> list[int]:
             "samples: none is a published sample; calibration needs one with the paper's strength, "
             "number of locks and load"
         )
-    for mesh in study.calibration.meshes:
-        for n in locks:
-            published_peak(published, n, mesh)
+    for mesh, n in product(study.calibration.meshes, locks):
+        if published.dem_pure_shear(n, mesh) is None:
+            raise ConfigError(
+                f"calibration.meshes: {mesh:g} m is not allowed; each must be one of the paper's "
+                "meshes, 0.02 or 0.005 m"
+            )
     every = [*candidates(study, published), *study_candidates(study, published)]
     shortest = min(min(each.a, each.b) for each in every)
     coarsest = max(study.calibration.meshes)
