@@ -7,6 +7,7 @@ from pathlib import Path
 from analysis.drawing import label_of, option_name, rule_name
 from sidmacib.contact_points import REDUCTIONS
 from sidmacib.engines import ENGINES
+from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
 from sidmacib.models import CLOSED_FORM, LAWS, REFERENCE_MODEL
 from workflow.cases import Place, find_case, find_place
@@ -30,7 +31,12 @@ def run_case(config: Path, results: str | None, name: str, model: str | None) ->
     study = study_with_joints(config, results)
     use_writable_caches(Path(study.results))  # before importing modules that compile code
     if model in CLOSED_FORM:
-        return _rule(study, find_place(study, name), name, model)
+        place = find_place(study, name)
+        try:
+            print(f"{name}, {describe_rule(study, model, place)}")
+        except (CapacityError, ValueError) as error:
+            return f"{name} ({model}): no result: {error}"
+        return None
     chosen = find_case(study, name, model)
     folder = Path(study.results, chosen.folder)
     if chosen.model in ENGINES and (missing := ENGINES[chosen.model].missing()):
@@ -46,17 +52,6 @@ def run_case(config: Path, results: str | None, name: str, model: str | None) ->
 
         pieces, _ = write_path(chosen, folder / "vtk")
         print(f"  for ParaView: {pieces.parent}/*.pvd")
-    return None
-
-
-def _rule(study: Study, place: Place, name: str, model: str) -> str | None:
-    """Print the result of a closed-form rule for a case; returns an error message, or None."""
-    from analysis.tables.capacity import NO_ANSWER
-
-    try:
-        print(f"{name}, {describe_rule(study, model, place)}")
-    except NO_ANSWER as error:
-        return f"{name} ({model}): no result: {error}"
     return None
 
 
@@ -91,7 +86,7 @@ def describe_record(record: JointRecord) -> str:
 def describe_rule(study: Study, name: str, place: Place) -> str:
     """The capacity at ``place`` by the closed-form rule ``name``, in words.
 
-    One of `NO_ANSWER` of `analysis.tables.capacity` where the rule has none.
+    `CapacityError` or ValueError where the rule has none.
     """
     from analysis.tables.capacity import law_capacity
 
@@ -107,27 +102,14 @@ def _sidmacib(study: Study, name: str, place: Place) -> Iterator[str]:
     joint = study.joint(place.sample, study.every_variant[place.variant])
     direction = Direction(place.ratio)
     yield f"{label_of(name).name}, by rules that need no weights; tables/capacity.csv has all"
-    rules = [rule for rule in study.sidmacib.reductions if rule in WITHOUT_WEIGHTS]
-    for rule, (option, points), friction in product(
-        rules, study.sidmacib.options.items(), (False, True)
-    ):
+    given, overload = study.sidmacib, study.sidmacib.overload
+    rules = [rule for rule in given.reductions if rule in WITHOUT_WEIGHTS]
+    for rule, (option, points), friction in product(rules, given.options.items(), (False, True)):
         strength = REDUCTIONS[rule](joint, ())
-        model = Sidmacib(
-            joint, points.contact_option(), strength, friction, study.sidmacib.overload
-        )
-        point = capacity(model, direction)
-        label = (
-            f"{option_name(option)}, {'friction' if friction else 'no friction'}, {rule_name(rule)}"
-        )
+        model = Sidmacib(joint, points.contact_option(), strength, friction, overload)
+        point, along = capacity(model, direction), "friction" if friction else "no friction"
+        label = f"{option_name(option)}, {along}, {rule_name(rule)}"
         yield f"  {label}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
-
-
-def run_calibration(config: Path, results: str | None) -> None:
-    """Calibrate the joints of a study."""
-    from analysis.calibration import calibrate
-
-    study_with_joints(config, results)
-    calibrate(config, results)
 
 
 def main() -> None:
@@ -138,7 +120,13 @@ def main() -> None:
     arguments = parser.parse_args()
     config, results = arguments.config, arguments.results or None
 
-    def case() -> str | None:
+    def run() -> str | None:
+        if arguments.what == "calibrate":
+            from analysis.calibration import calibrate
+
+            study_with_joints(config, results)
+            calibrate(config, results)
+            return None
         if not arguments.case:
             raise CallError(
                 "CASE: missing; it must be the name of a case, as in "
@@ -146,8 +134,7 @@ def main() -> None:
             )
         return run_case(config, results, arguments.case, arguments.model or None)
 
-    commands = {"case": case, "calibrate": lambda: run_calibration(config, results)}
-    run_command(commands[arguments.what], arguments)
+    run_command(run, arguments)
 
 
 if __name__ == "__main__":

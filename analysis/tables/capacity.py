@@ -22,8 +22,6 @@ from workflow.results.tables import CAPACITY, ENVELOPES, read_tables, write_tabl
 from workflow.schema import Study
 from workflow.step import Arguments, Files, step
 
-NO_ANSWER = (CapacityError, ValueError)  # raised by rules in closed form
-
 
 def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """SiDMACIB's capacities for every option and reduction, with and without friction.
@@ -97,7 +95,7 @@ def law_rows(study: Study) -> Iterator[dict[str, Any]]:
         try:
             known = law_capacity(study, name, sample, ratio)
             result |= {"load_N": known.load, "shear_N": known.shear, "torque_Nm": known.torque}
-        except NO_ANSWER as error:
+        except (CapacityError, ValueError) as error:
             result["error"] = str(error)
         for mesh in study.meshes:
             yield {

@@ -79,8 +79,7 @@ def displacements_at(record: JointRecord, loads: Iterable[float]) -> list[float]
     path = sorted((load, moved) for load, moved in record.path if moved is not None)
     if not path:
         return [float("nan") for _ in loads]
-    places, moved = np.array(path).T
-    return [float(np.interp(load, places, moved)) for load in loads]
+    return np.interp([*loads], *np.array(path).T).tolist()
 
 
 def models_table(

@@ -37,6 +37,7 @@ from workflow.schema import MeasuredSection, Study
 from workflow.step import Arguments, Files, step
 
 FEWEST = 3  # directions that an option is judged by
+IN_ORDER = "in the printed order"
 SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
 
 
@@ -216,32 +217,19 @@ def validation_table(
 def _limit_rows(pure_shear: pd.DataFrame, value: float) -> Iterator[dict[str, Any]]:
     rows = pure_shear[(pure_shear["model"] == "sidmacib") & (pure_shear["reduction"] == "none")]
     for row in rows.drop_duplicates("variant").itertuples():
-        name = (
-            f"sidmacib_pure_shear_{row.option}_{'friction' if row.friction else 'frictionless'}_N"
-        )
-        yield {
-            "quantity": name,
-            "model": "sidmacib",
-            "published": value,
-            "computed": row.shear_N,
-        }
+        name = f"{row.option}_{'friction' if row.friction else 'frictionless'}"
+        same = {"quantity": f"sidmacib_pure_shear_{name}_N", "model": "sidmacib"}
+        yield {**same, "published": value, "computed": row.shear_N}
 
 
 def _peak_rows(
     pure_shear: pd.DataFrame, locks: int, published: Published
 ) -> Iterator[dict[str, Any]]:
-    peaks = pure_shear[(pure_shear["variant"] == REFERENCE)]
-    for row in peaks.itertuples():
-        value = published.dem_pure_shear(locks, float(row.mesh_m))
+    peaks = pure_shear[pure_shear["variant"] == REFERENCE].rename(columns={"shear_N": "computed"})
+    for row in peaks[["model", "mesh_m", "computed", "mesh_error"]].to_dict("records"):
+        value = published.dem_pure_shear(locks, row["mesh_m"])
         if value is not None:
-            yield {
-                "quantity": "dem_pure_shear_N",
-                "model": row.model,
-                "mesh_m": row.mesh_m,
-                "published": value,
-                "computed": row.shear_N,
-                "mesh_error": row.mesh_error,
-            }
+            yield {**row, "quantity": "dem_pure_shear_N", "published": value}
 
 
 def _weight_rows(
@@ -250,21 +238,18 @@ def _weight_rows(
     printed = published.numbers["weights"][locks]
     for (model, mesh), weights in sources.items():
         same = {"model": model, "mesh_m": mesh}
-        for lock, (weight, value) in enumerate(zip(weights, printed, strict=True), start=1):
-            row = {"quantity": f"weight_lock{lock}", "published": value, "computed": weight}
-            yield {**same, **row, "note": "in the printed order" if lock <= 2 else ""}
-        for lock in (1, 2):
-            row = {"published": printed[2 - lock], "computed": weights[lock - 1], "note": SWAPPED}
-            yield {**same, "quantity": f"weight_lock{lock}_swapped", **row}
+        numbered = [*enumerate(zip(printed, weights, strict=True), start=1)]
         total = math.fsum(weights)
-        value = published.numbers["weight_sum"][locks]
-        yield {**same, "quantity": "weight_sum", "published": value, "computed": total}
-        yield {
-            **same,
-            "quantity": "weight_sum_rounded_down",
-            "published": published.numbers["active_locks"][locks],
-            "computed": math.floor(total),
-        }
+        sums = published.numbers["weight_sum"][locks], published.numbers["active_locks"][locks]
+        for quantity, value, computed, note in (
+            *((f"weight_lock{lock}", *both, IN_ORDER * (lock <= 2)) for lock, both in numbered),
+            ("weight_lock1_swapped", printed[1], weights[0], SWAPPED),
+            ("weight_lock2_swapped", printed[0], weights[1], SWAPPED),
+            ("weight_sum", sums[0], total, None),
+            ("weight_sum_rounded_down", sums[1], math.floor(total), None),
+        ):
+            row = {"quantity": quantity, "published": value, "computed": computed}
+            yield {**same, **row, "note": note}
 
 
 def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[str, Any]]:
@@ -296,25 +281,17 @@ def measured_table(study: Study, measured: MeasuredSection, capacity: pd.DataFra
         a = study.joint(load.sample).a
         shear, torque = load.components(a)
         size = math.hypot(shear, torque / a)
-        same = finest["sample"].eq(load.sample) & finest["eccentricity_over_a"].eq(
-            load.eccentricity
+        ratio = finest["eccentricity_over_a"]
+        models = finest[finest["sample"].eq(load.sample) & ratio.eq(load.eccentricity)]
+        compared = models.assign(
+            number=number,
+            specimen=load.specimen,
+            measured_shear_N=shear,
+            measured_torque_Nm=torque,
+            measured_load_N=size,
+            difference=models["load_N"] / size - 1.0,
         )
-        for model in finest[same].itertuples():
-            rows.append(
-                {
-                    "number": number,
-                    "specimen": load.specimen,
-                    "sample": load.sample,
-                    "eccentricity_over_a": load.eccentricity,
-                    "measured_shear_N": shear,
-                    "measured_torque_Nm": torque,
-                    "measured_load_N": size,
-                    "model": model.model,
-                    "variant": model.variant,
-                    "load_N": model.load_N,
-                    "difference": model.load_N / size - 1.0,
-                }
-            )
+        rows += compared.to_dict("records")
     return pd.DataFrame(rows, columns=list(MEASURED.columns))
 
 
