@@ -75,7 +75,8 @@ def candidate_study(
     return {
         "samples": {
             f"{name}_n{n}": {
-                **{"locks": n, "a": each.a, "b": each.b, "h": each.h, "H": each.H},
+                "locks": n,
+                **{"a": each.a, "b": each.b, "h": each.h, "H": each.H},
                 "dry": {"friction": each.friction},
             }
             for (name, each), n in product(chosen.items(), locks)

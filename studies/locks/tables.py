@@ -88,23 +88,15 @@ FREEDOMS = Table(
 
 def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """The table of samplings, joined with the batches of the law's ``answers``."""
-    law = pd.concat(answers, ignore_index=True)
-    keys = list(SAMPLINGS.key)
-    points = solved.merge(law, on=keys, how="left", validate="1:1")
+    points = solved.merge(pd.concat(answers), on=[*SAMPLINGS.key], how="left", validate="1:1")
     return points[list(POINTS.columns)]
 
 
 def spread(error: "pd.Series[float]") -> dict[str, float]:
     """Mean, mean size, extremes and quantiles of relative errors."""
-    return {
-        "points": len(error),
-        "mean_error": float(error.mean()),
-        "mean_absolute_error": float(error.abs().mean()),
-        "least_error": float(error.min()),
-        "error_5_percent": float(error.quantile(0.05)),
-        "error_95_percent": float(error.quantile(0.95)),
-        "largest_error": float(error.max()),
-    }
+    means = len(error), float(error.mean()), float(error.abs().mean())
+    values = *means, *error.quantile([0.0, 0.05, 0.95, 1.0]).tolist()
+    return dict(zip(SPREAD, values, strict=True))
 
 
 def known(points: pd.DataFrame) -> "pd.Series[bool]":
@@ -255,25 +247,20 @@ def bonds_table(points: pd.DataFrame) -> pd.DataFrame:
     points = points[bears & points["stiffness_ratio"].isna()]
     points = points.assign(
         bonds=[_kind(*each) for each in points[["failure", "energy_ratio"]].values],
-        more=points["peak"] / points["first_failure"] - 1.0,
-        of_pairs=points["peak"] / points["pairs"],
+        over_first=points["peak"] / points["first_failure"],
+        over_pairs=points["peak"] / points["pairs"],
     )
-    rows = []
-    keys = ["bonds", "upper_body", "eccentricity_over_a"]
-    for values, group in points.groupby(keys, sort=True):
-        odd = group[group["locks"].mod(2).eq(1) & group["eccentricity_over_a"].eq(0.0)]
-        below = odd["of_pairs"] < 1.0 - 1e-3
-        rows.append(
-            {
-                **dict(zip(keys, values, strict=True)),
-                "points": len(group),
-                "mean_peak_over_first_failure": 1.0 + float(group["more"].mean()),
-                "largest_peak_over_first_failure": 1.0 + float(group["more"].max()),
-                "mean_peak_over_pairs": float(group["of_pairs"].mean()),
-                "unsafe_share_of_half": float(below.mean()) if len(odd) else np.nan,
-            }
-        )
-    return pd.DataFrame(rows, columns=list(BONDS.columns))
+    odd = points["locks"].mod(2).eq(1) & points["eccentricity_over_a"].eq(0.0)
+    unsafe = points["over_pairs"].lt(1.0 - 1e-3).astype(float).where(odd)
+    groups = points.assign(unsafe=unsafe).groupby(list(BONDS.key), sort=True)
+    table = groups.agg(
+        points=("number", "size"),
+        mean_peak_over_first_failure=("over_first", "mean"),
+        largest_peak_over_first_failure=("over_first", "max"),
+        mean_peak_over_pairs=("over_pairs", "mean"),
+        unsafe_share_of_half=("unsafe", "mean"),
+    )
+    return table.reset_index()
 
 
 def _kind(failure: str, ratio: float) -> str:
@@ -288,8 +275,8 @@ def fits(peaks: Floats, locks: Floats, ratios: Sequence[float]) -> dict[str, pd.
     """Fit of ``peaks`` (N, D) over T0 with each freedom, for joints with so many ``locks``, (N,).
 
     A row for each joint. ``misfit``: the largest of load over peak, less 1, in all directions;
-    ``locks``: that count; ``position``: of the outer points over a; ``middle``: strength of the
-    middle point over the lock's.
+    ``position_over_a``: of the outer points; ``middle_share``: of the middle point in the lock's
+    strength.
     """
 
     def fixed(option: ContactOption) -> pd.DataFrame:
@@ -298,15 +285,16 @@ def fits(peaks: Floats, locks: Floats, ratios: Sequence[float]) -> dict[str, pd.
         return pd.DataFrame(
             {
                 "misfit": (most - least) / (most + least),
-                "locks": 2.0 / (most + least),
-                "position": option.positions[-1],
-                "middle": option.portions[1] if len(option.portions) == 3 else 0.0,
+                "locks_that_count": 2.0 / (most + least),
+                "position_over_a": option.positions[-1],
+                "middle_share": option.portions[1] if len(option.portions) == 3 else 0.0,
             }
         )
 
     half = (locks - 1.0) / 2.0
     rule = np.abs(unit_loads(OPTIONS["option4"], ratios) * half[:, None] / peaks - 1.0).max(axis=1)
-    every = {RULE: pd.DataFrame({"misfit": rule, "locks": half, "position": 0.25, "middle": 0.0})}
+    points = {"position_over_a": 0.25, "middle_share": 0.0}
+    every = {RULE: pd.DataFrame({"misfit": rule, "locks_that_count": half, **points})}
     every |= {name: fixed(option) for name, option in OPTIONS.items()}
     pairs = [fixed(ContactOption.pair(position)) for position in POSITIONS.tolist()]
     triples = [
@@ -339,6 +327,7 @@ def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
         fitted = fits(peaks.to_numpy(), joints["locks"].to_numpy(dtype=float), ratios)
         for (freedom, fit), ((body, locks), group) in product(fitted.items(), [*by_locks(joints)]):
             own = fit[group]
+            misfit = own.pop("misfit")
             if own.empty:
                 continue
             rows.append(
@@ -348,11 +337,9 @@ def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
                     "upper_body": body,
                     "locks": locks,
                     "joints": len(own),
-                    "mean_misfit": own["misfit"].mean(),
-                    "misfit_95_percent": own["misfit"].quantile(0.95),
-                    "locks_that_count": own["locks"].median(),
-                    "position_over_a": own["position"].median(),
-                    "middle_share": own["middle"].median(),
+                    "mean_misfit": misfit.mean(),
+                    "misfit_95_percent": misfit.quantile(0.95),
+                    **own.median(),
                 }
             )
     return pd.DataFrame(rows, columns=list(FREEDOMS.columns))
@@ -361,15 +348,19 @@ def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
 # --- steps ----------------------------------------------------------------------------------------
 def run(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
     """Write the table of the points, and all others from it as it is written."""
-    solved = read_table(SAMPLINGS, inputs["samplings"])
-    write_table(
-        POINTS, points_of(solved, [*map(pd.read_parquet, inputs["law"])]), outputs["points"]
+    solved, answers = (
+        read_table(SAMPLINGS, inputs["samplings"]),
+        map(pd.read_parquet, inputs["law"]),
     )
+    write_table(POINTS, points_of(solved, [*answers]), outputs["points"])
     points = read_table(POINTS, outputs["points"])
-    write_table(LAW, law_table(points), outputs["law"])
-    write_table(RULE_ERRORS, rules_table(points), outputs["rules"])
-    write_table(INTERACTION, interaction_table(points), outputs["interaction"])
-    write_table(BONDS, bonds_table(points), outputs["bonds"])
+    for form, table in (
+        (LAW, law_table),
+        (RULE_ERRORS, rules_table),
+        (INTERACTION, interaction_table),
+        (BONDS, bonds_table),
+    ):
+        write_table(form, table(points), outputs[form.name])
 
 
 def write_freedoms(arguments: Arguments, inputs: Files, outputs: Files) -> None:

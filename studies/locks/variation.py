@@ -25,6 +25,7 @@ from workflow.sampling import with_ratios
 from workflow.schema.sections import SamplingSection
 from workflow.step import Arguments, Files, step
 
+BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
 SENSITIVITY_LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a
 DRAWS = 128  # a power of two, as Sobol sequences want
@@ -81,27 +82,28 @@ def sensitivity_table(sampling: SamplingSection, base: Joint, draws: int = DRAWS
         for name, span in spans.items()
     ]
     rows = []
-    for locks, body in product(SENSITIVITY_LOCKS, (UpperBody.COLUMNS, UpperBody.MONOLITHIC)):
+    for locks, body in product(SENSITIVITY_LOCKS, BODIES):
         loads = _loads(base, locks, body)
         indices = sobol_indices(
             func=loads, n=draws, dists=spreads, rng=np.random.default_rng(sampling.seed)
         )
         values = loads(np.array([spread.rvs(draws, random_state=1) for spread in spreads]))
         for direction, ratio in enumerate(RATIOS):
-            for place, name in enumerate(VARIED):
-                rows.append(
-                    {
-                        "locks": locks,
-                        "upper_body": str(body),
-                        "eccentricity_over_a": ratio,
-                        "parameter": name,
-                        "first_order": float(indices.first_order[direction, place]),
-                        "total": float(indices.total_order[direction, place]),
-                        "mean_over_T0": float(values[direction].mean()),
-                        "variation": float(values[direction].std() / values[direction].mean()),
-                    }
-                )
-    return pd.DataFrame(rows, columns=list(SENSITIVITY.columns))
+            mean = float(values[direction].mean())
+            found = pd.DataFrame(
+                {
+                    "locks": locks,
+                    "upper_body": str(body),
+                    "eccentricity_over_a": ratio,
+                    "parameter": VARIED,
+                    "first_order": indices.first_order[direction],
+                    "total": indices.total_order[direction],
+                    "mean_over_T0": mean,
+                    "variation": float(values[direction].std()) / mean,
+                }
+            )
+            rows.append(found)
+    return pd.concat(rows)
 
 
 def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Floats]:
@@ -122,8 +124,7 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
 def characteristic_table(base: Joint) -> pd.DataFrame:
     """Median and 5 % quantile of the first failure over the law's, for joints like ``base``."""
     rows = []
-    bodies = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
-    for locks, body, ratio, variation in product(SCATTERED_LOCKS, bodies, RATIOS, VARIATIONS):
+    for locks, body, ratio, variation in product(SCATTERED_LOCKS, BODIES, RATIOS, VARIATIONS):
         joint = replace(base, locks=locks, upper_body=body)
         first = scatter(joint, Direction(ratio), variation)
         rows.append(
