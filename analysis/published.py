@@ -74,10 +74,10 @@ class PublishedLine:
 
 @dataclass(frozen=True)
 class PublishedSamples:
-    """Published numbers for ``locks`` locks, and the samples with as many: a description each."""
+    """Published numbers for ``locks`` locks, and the samples with as many: setting and model."""
 
     locks: int
-    samples: Mapping[str, str]
+    samples: Mapping[str, tuple[str, str]]
     lines: tuple[PublishedLine, ...]
 
 
@@ -94,8 +94,10 @@ def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Pub
             mesh = "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}"
             by_line.setdefault((str(row.quantity), mesh), {})[str(row.sample)] = row
         samples = {
-            str(row.sample): f"friction {row.friction:.4g}, {row.setting}; "
-            f"{leading.get(str(row.sample), 'no model')}"
+            str(row.sample): (
+                f"friction {row.friction:.4g}, {row.setting}",
+                leading.get(str(row.sample), "no model"),
+            )
             for row in rows.drop_duplicates("sample").itertuples()
         }
         lines = tuple(

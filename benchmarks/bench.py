@@ -13,7 +13,6 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import pandas as pd
 import yaml
@@ -56,12 +55,7 @@ PLANS = {
 ONE = {"samples": {"n3": {"locks": 3}}, "meshes": [0.02], "eccentricities": [0]}
 
 
-class Figure(NamedTuple):
-    """A line of the table: what was measured, its unit and its value."""
-
-    what: str
-    unit: str
-    value: float
+Lines = Iterator[tuple[str, str, float]]  # what was measured, its unit and its value
 
 
 def problem(joint: Joint, mesh: float = 0.02, ratio: float = 0.0) -> Problem:
@@ -85,52 +79,52 @@ def capacities(count: int) -> None:
         lowest_peak(*numbered(number))
 
 
-def library_figures() -> Iterator[Figure]:
+def library_figures() -> Lines:
     """The static model, SiDMACIB, law and safe rule."""
     static_load(0)  # compiles
     each = 1e3 * seconds(lambda: capacities(100)) / 100
-    yield Figure("static case with its lowest peak, 5 locks", "ms CPU", each)
+    yield "static case with its lowest peak, 5 locks", "ms CPU", each
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(static_load, range(20)))
         cases = partial(pool.map, static_load, range(1000), chunksize=50)
         spent = seconds(lambda: list(cases()), clock=time.perf_counter)
-        yield Figure("static cases, 5 locks", "1/s", 1000 / spent)
+        yield "static cases, 5 locks", "1/s", 1000 / spent
     sampled = list(sampled_joints(SamplingSection(joints=512, seed=2026), Joint(5), 1, 41))
     ratios = (0.0, 0.05, 0.1, 0.3, 1.0, 3.0, float("inf"))
     points = partial(solved_rows, sampled, ratios, cells=(1, 2), limited=41)
     spent = seconds(lambda: list(points())) / (len(sampled) * len(ratios))
-    yield Figure("static model, a point of make locks", "ms CPU", 1e3 * spent)
+    yield "static model, a point of make locks", "ms CPU", 1e3 * spent
     for locks, mesh, name in ((63, 0.02, "63 locks"), (15, 0.005, "15 locks, mesh 0.005 m")):
         solve = partial(lambda joint, mesh: static_peak(*problem(joint, mesh)), Joint(locks), mesh)
         least = min(seconds(solve, clock=time.perf_counter) for _ in range(3))
-        yield Figure(f"static case, {name}", "s", least)
+        yield f"static case, {name}", "s", least
     elastic = sidmacib.Elastic(1e10, 0.2)
     for locks, mesh in ((2, 0.05), (5, 0.02), (11, 0.02), (5, 0.01)):  # the first compiles
         joint = Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=elastic)
         spent = seconds(lambda: static_peak(*problem(joint, mesh)))  # noqa: B023
-        yield Figure(f"elastic pieces, {locks} locks, mesh {mesh:g} m", "CPU-s", spent)
+        yield f"elastic pieces, {locks} locks, mesh {mesh:g} m", "CPU-s", spent
     for locks in (3, 5):
         for name, milliseconds in peer_times(Joint(locks)):
-            yield Figure(f"{name}, {locks} locks", "ms CPU", milliseconds)
+            yield f"{name}, {locks} locks", "ms CPU", milliseconds
     envelope = partial(sidmacib.envelope, sidmacib.Sidmacib(Joint(5), sidmacib.OPTIONS["option4"]))
     envelope()
     spent = seconds(envelope, 10, time.perf_counter)
-    yield Figure("SiDMACIB, envelope of 5 locks", "ms", 1e3 * spent)
+    yield "SiDMACIB, envelope of 5 locks", "ms", 1e3 * spent
     loads = [*(400.0 / (1.0 + 3.0 * e) for e in CURVE[:-1]), 80.0]
     curve = pd.DataFrame({"eccentricity_over_a": CURVE, "load_N": loads})
     spent = seconds(lambda: best_pair(Joint(5), 1000.0, True, curve))
-    yield Figure("fit of free contact points, 5 locks", "CPU-s", spent)
+    yield "fit of free contact points, 5 locks", "CPU-s", spent
     for name, locks in (("law", 5), ("safe", 5), ("law", 31), ("safe", 31)):
         first_failure.cache_clear()
         ways = iter([Direction(0.01 + 0.05 * number) for number in range(10)])
         spent = seconds(lambda: RULES[name](Joint(locks), next(ways)), 10)  # noqa: B023
-        yield Figure(f"{name}, {locks} locks", "CPU-s", spent)
+        yield f"{name}, {locks} locks", "CPU-s", spent
     first_failure.cache_clear()
     spent = seconds(lambda: [RULES["law"](Joint(31), Direction(e)) for e in CURVE])
-    yield Figure("law, curve of 31 locks", "CPU-s", spent)
+    yield "law, curve of 31 locks", "CPU-s", spent
     sliders = iter([Settings(locks=locks) for locks in range(2, 16)])
     spent = seconds(lambda: pictures(each := next(sliders), answers(each)), 14)
-    yield Figure("explorer, answer to a step of the slider", "CPU-s", spent)
+    yield "explorer, answer to a step of the slider", "CPU-s", spent
 
 
 def written(config: Mapping[str, object], path: Path) -> Path:
@@ -146,33 +140,33 @@ def study(config: Mapping[str, object], folder: Path, name: str) -> list[str]:
     return [sys.executable, "-m", "workflow", "study", str(path), "--results", results]
 
 
-def process_figures(folder: Path) -> Iterator[Figure]:
+def process_figures(folder: Path) -> Lines:
     """Imports, planning, and studies: what the workflow adds, and a run with nothing to do."""
     for code in ("import numpy", "import sidmacib; sidmacib.Joint"):
         least = min(used([sys.executable, "-c", code], ROOT).cpu for _ in range(5))
-        yield Figure(code.partition(";")[0], "CPU-s", least)
+        yield code.partition(";")[0], "CPU-s", least
     for name, config in PLANS.items():
         path = written(config, folder / f"{name.replace(' ', '-')}.yaml")
         command = [sys.executable, "-m", "snakemake", "-n", "--quiet", "all"]
         more = ["--configfile", str(path), "--config", f"results={folder / 'planned'}"]
         plan = used([*command, *more], ROOT)
-        yield Figure(f"plan {name}", "s", plan.wall)
-        yield Figure(f"plan {name}", "MB", plan.memory)
+        yield f"plan {name}", "s", plan.wall
+        yield f"plan {name}", "MB", plan.memory
     one = study({**STATIC, **ONE}, folder, "one")
     used(one, ROOT)
-    yield Figure("make study with nothing to do", "s", used(one, ROOT).wall)
+    yield "make study with nothing to do", "s", used(one, ROOT).wall
     many = {**STATIC, "samples": {"n5": {"locks": 5}}, "meshes": MESHES[:10]}
     batch = study({**many, "eccentricities": RATIOS}, folder, "batch")
     used(batch, ROOT)
     alone = seconds(lambda: capacities(500))
     added = (job_seconds(folder / "batch", "static") - alone) / 500
-    yield Figure("added to a static case", "ms CPU", 1e3 * added)
+    yield "added to a static case", "ms CPU", 1e3 * added
     for engine in DISTINCT:
         used(study({**ENGINE, **ONE, "dem": {"engines": [engine]}}, folder, engine), ROOT)
-        yield Figure(f"a case of {engine}", "CPU-s", job_seconds(folder / engine, engine))
+        yield f"a case of {engine}", "CPU-s", job_seconds(folder / engine, engine)
     case = [sys.executable, "-m", "analysis", "case", *one[4:], "--case", "n3-mesh0.02-e0a"]
     used(case, ROOT)
-    yield Figure("make case of a finished case", "s", used(case, ROOT).wall)
+    yield "make case of a finished case", "s", used(case, ROOT).wall
 
 
 def job_seconds(results: Path, kind: str) -> float:
@@ -180,13 +174,13 @@ def job_seconds(results: Path, kind: str) -> float:
     return sum(cpu for found, _, cpu in read_times(results) if found == kind)
 
 
-def study_figures(results: Path) -> Iterator[Figure]:
+def study_figures(results: Path) -> Lines:
     """Times of a study's cases in their last run; time steps of guided and unguided searches."""
     times = pd.DataFrame(read_times(results), columns=["kind", "wall", "cpu"])
     if len(times):
-        yield Figure("study: all cases", "CPU-s", times["cpu"].sum())
+        yield "study: all cases", "CPU-s", times["cpu"].sum()
         engines = times["kind"].isin(ENGINES)
-        yield Figure("study: cases in engines", "CPU-s", times.loc[engines, "cpu"].sum())
+        yield "study: cases in engines", "CPU-s", times.loc[engines, "cpu"].sum()
     for engine in DISTINCT:
         found = sorted((results / "cases" / engine).glob(f"*/{RESULT}"))
         steps = {path.parent.name: json.loads(path.read_text())["time_steps"] for path in found}
@@ -194,7 +188,7 @@ def study_figures(results: Path) -> Iterator[Figure]:
         for what, end in (("guided", ""), ("unguided", "-unguided")):
             if both:
                 mean = sum(steps[name + end] for name in both) / len(both)
-                yield Figure(f"{engine}: a case, {what}", "time steps", mean)
+                yield f"{engine}: a case, {what}", "time steps", mean
 
 
 def base_values(checkout: Path, folder: Path) -> pd.DataFrame:
@@ -220,10 +214,10 @@ def main() -> None:
         figures = [
             *process_figures(folder),
             *library_figures(),
-            *(Figure(*each) for each in blocks),
+            *blocks,
             *study_figures(arguments.results),
         ]
-    table = pd.DataFrame(figures)
+    table = pd.DataFrame(figures, columns=["what", "unit", "value"])
     if base is not None:
         table = table.merge(base, on=["what", "unit"], how="left")
         table["ratio"] = table["value"] / table["base"]

@@ -23,7 +23,7 @@ import pandas as pd
 import yaml
 
 from benchmarks import seconds, used
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout
+from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.structure.blocks import Block, box
@@ -112,18 +112,16 @@ def wall_times(count: int, *, limit: bool = True) -> dict[str, Any]:
     finding = time.process_time() - start
     loads = acceleration(bonded, (1.0, 0.0, 0.0))
     static = seconds(lambda: static_first_failure(bonded, loads))
-    spent = _limit_seconds(structure(blocks, DRY)) if limit else None
+    spent = None
+    if limit:
+        dry = structure(blocks, DRY)
+        push = acceleration(dry, (1.0, 0.0, 0.0))
+        spent = seconds(lambda: limit_load(dry, push, friction=True))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return {
         **{"blocks": len(blocks) - 1, "interfaces": len(bonded.faces), "finding_s": finding},
         **{"limit_s": spent, "static_s": static, "memory_MB": memory},
     }
-
-
-def _limit_seconds(assembly: Assembly) -> float:
-    """CPU-s of limit analysis for a horizontal acceleration."""
-    loads = acceleration(assembly, (1.0, 0.0, 0.0))
-    return seconds(lambda: limit_load(assembly, loads, friction=True))
 
 
 def wall_figures(count: int) -> Iterator[tuple[str, str, float]]:

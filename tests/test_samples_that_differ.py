@@ -93,8 +93,8 @@ def test_validation_states_friction_and_mesh_error(tables: dict[str, pd.DataFram
 def test_samples_of_the_same_locks_stand_side_by_side(tables: dict[str, pd.DataFrame]) -> None:
     (found,) = comparisons(tables["validation"], leading_models(tables["fit"]))
     assert found.samples == {
-        "n3": "friction 0.3, as printed; yade",
-        "n3_fits": "friction 0.005236, not as printed; static",
+        "n3": ("friction 0.3, as printed", "yade"),
+        "n3_fits": ("friction 0.005236, not as printed", "static"),
     }
     (peak,) = (line for line in found.lines if line.quantity == "dem_pure_shear_N")
     assert (peak.mesh, peak.published) == ("0.02", 240.76)

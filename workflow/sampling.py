@@ -91,7 +91,13 @@ def _joint(sampling: SamplingSection, base: Joint, number: int, place: list[floa
     push = Push.MINUS_Y if part(0.5) and locks % 2 == 0 else Push.PLUS_Y
     last = next(turn)
     sized = with_ratios(base, a, h, height, shear, dry, friction)
-    energy = _energy(sampling, base, sized.inner.shear_stiffness, last)
+    energy, elastic = 0.0, None
+    if sampling.failure is Failure.SOFTENING:
+        energy_ratio = _between(sampling.energy_ratio, last)
+        energy = energy_ratio * base.inner.cohesion**2 / (2.0 * sized.inner.shear_stiffness)
+    if sampling.stiffness_ratio is not None:
+        stiffness = _between(sampling.stiffness_ratio, last)
+        elastic = Elastic(stiffness * base.inner.normal_stiffness * base.b, POISSON)
     joint = replace(
         sized,
         locks=locks,
@@ -99,7 +105,7 @@ def _joint(sampling: SamplingSection, base: Joint, number: int, place: list[floa
         failure=sampling.failure,
         upper_body=UpperBody.MONOLITHIC if one_piece else UpperBody.COLUMNS,
         hold_down=HoldDown.pressure(pressure) if pressed else HoldDown.plate(),
-        elastic=_elastic(sampling, base, last),
+        elastic=elastic,
     )
     return SampledJoint(number, joint, push)
 
@@ -124,22 +130,6 @@ def _between(span: Limits, place: float) -> float:
     """The value at ``place``, 0 to 1, of a ``span`` that is spread evenly in its logarithm."""
     low, high = np.log(span)
     return float(np.exp(low + place * (high - low)))
-
-
-def _energy(sampling: SamplingSection, base: Joint, shear: float, place: float) -> float:
-    """Fracture energy of bonds that soften, J/m2; 0 for other bonds."""
-    if sampling.failure is not Failure.SOFTENING:
-        return 0.0
-    ratio = _between(sampling.energy_ratio, place)
-    return ratio * base.inner.cohesion**2 / (2.0 * shear)
-
-
-def _elastic(sampling: SamplingSection, base: Joint, place: float) -> Elastic | None:
-    """Material of elastic pieces; None: rigid pieces."""
-    if sampling.stiffness_ratio is None:
-        return None
-    ratio = _between(sampling.stiffness_ratio, place)
-    return Elastic(ratio * base.inner.normal_stiffness * base.b, POISSON)
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:

@@ -35,14 +35,7 @@ from workflow.step import Arguments, Files, step
 
 Solve = Callable[[Problem], Outcome]
 Solved = tuple[Record[Any], Assembly, Outcome]
-LOADS = {
-    "peak_load_N": "load_N",
-    "failed_load_N": "failed_load_N",
-    "first_failure_load_N": "first_failure_load_N",
-    "mode": "mode",
-    "peak_spread": "peak_spread",
-    "error": "error",
-}
+LOADS = ("failed_load_N", "first_failure_load_N", "mode", "peak_spread", "error")
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
@@ -129,18 +122,14 @@ def history_table(case: Case[Any], outcome: Outcome) -> pd.DataFrame:
 
 def write_case_files(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the description, nodes, history, loads and record of the case."""
-    case, records, result = (
-        JointCase.from_json(arguments["case"]),
-        inputs["records"],
-        outputs["result"],
-    )
-    folder = result.parent
+    case, records = JointCase.from_json(arguments["case"]), inputs["records"]
+    result, folder = outputs["result"], outputs["result"].parent
     (record,) = (each for each in read_records([records]) if each.name == case.name)
     (folder / CASE).write_text(case.to_json())
     for source, target in ((BATCH_NODES, NODES), (BATCH_HISTORY, HISTORY)):
         rows = pd.read_parquet(records.with_name(source), filters=[("case", "==", case.name)])
         rows.drop(columns="case").to_csv(folder / target, index=False, float_format="%.10g")
-    loads = {key: getattr(record, name) for key, name in LOADS.items()}
+    loads = {"peak_load_N": record.load_N} | {name: getattr(record, name) for name in LOADS}
     result.write_text(json.dumps(loads, indent=1) + "\n")
     (folder / RECORD).write_text(record.to_json() + "\n")
 

@@ -136,7 +136,7 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
     yield "Published against computed (e = 0)"
     for part in comparisons(table, leading):
         for sample, words in part.samples.items():
-            yield f"  {part.locks} locks, {sample}: {words}"
+            yield f"  {part.locks} locks, {sample}: {'; '.join(words)}"
         heads = "".join(f"{sample:>12}{'diff.':>9}" for sample in part.samples)
         yield f"  {'quantity':44}{'mesh m':>7}{'published':>11}{heads}"
         for line in part.lines:

@@ -26,7 +26,7 @@ from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WE
 SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a
 LOADS = ("sidmacib_pure_shear_option4", "dem_pure_shear")
 HEAD = ("at e = 0", "locks", "mesh (m)", "published")
-FITS = "fitted"  # the published numbers, with another friction and geometry
+FITS = ("not as printed", "fitted")  # to the published numbers, by friction and geometry
 NONE = "–"
 RULE_WORDS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
 
@@ -39,10 +39,8 @@ def _comparisons(results: Path) -> list[PublishedSamples]:
 def _head(parts: Sequence[PublishedSamples]) -> list[str]:
     """Headings: the published number, then setting, model and difference of each sample."""
     head = [*HEAD]
-    for words in parts[0].samples.values():
-        setting, model = words.rsplit("; ", 1)
-        setting = setting.replace("not as printed", FITS)
-        head += [f"{setting}; {label_of(model).name}", "difference"]
+    for setting, model in parts[0].samples.values():
+        head += [f"{setting.replace(*FITS)}; {label_of(model).name}", "difference"]
     return head
 
 
@@ -120,8 +118,7 @@ def headline(results: Path) -> str:
                 difference = signed(difference_text(row))
                 numbers.append(f"{row.computed:.5g}{unit} ({difference})")
             rows.append([words, *numbers])
-    settings = [words.partition("; ")[0] for words in parts[0].samples.values()]
-    head = [setting.replace("not as printed", FITS) for setting in settings]
+    head = [setting.replace(*FITS) for setting, _ in parts[0].samples.values()]
     return markdown(["", "published", *head], [rows[0], *rows[2:]])
 
 
@@ -140,7 +137,7 @@ def peaks(results: Path) -> str:
         table.sort_values(["locks", "setting", "mesh_m"], kind="stable"),
         {
             "locks": lambda row: f"{row.locks}",
-            "setting": lambda row: row.setting.replace("not as printed", FITS),
+            "setting": lambda row: row.setting.replace(*FITS),
             "mesh (m)": lambda row: f"{row.mesh_m:g}",
             "3DEC, published (N)": lambda row: f"{row.published:g}",
             "model": lambda row: label_of(row.model).name,
