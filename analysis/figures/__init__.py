@@ -86,12 +86,12 @@ def _figures(study: Study, cases: list[JointCase]) -> Iterator[FigureSpec]:
 
 def _stress_cases(cases: list[JointCase], study: Study, model: str, sample: str) -> list[JointCase]:
     """Those of the reference variant, at the mesh of the stress maps."""
-    mesh = study.figures.mesh or min(study.meshes)
-    chosen = [case for case in cases if case.model == model and case.subject.sample == sample]
+    mesh, wanted = study.figures.mesh or min(study.meshes), (model, REFERENCE, sample)
     return [
         case
-        for case in chosen
-        if case.variant == REFERENCE and math.isclose(case.subject.mesh, mesh)
+        for case in cases
+        if (case.model, case.variant, case.subject.sample) == wanted
+        and math.isclose(case.subject.mesh, mesh)
     ]
 
 

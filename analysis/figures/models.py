@@ -1,6 +1,7 @@
 """The models of the joint's pieces beside each other, and the effects of variants."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,8 +17,9 @@ from analysis.paths import behind, path_again
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.joint import UpperBody
+from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.models import LAWS, REFERENCE_MODEL, detailed
-from workflow.case import REFERENCE
+from workflow.case import JointSubject, case_name
 from workflow.cases import cases_of
 from workflow.schema import Study
 
@@ -112,36 +114,27 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
 
 def _path(axes: Axes, material: FigureData) -> str:
     """The static model's whole path, to the peak and behind it; the sentence on it."""
-    study = material.study
-    mesh, ratio = min(study.meshes), min(study.eccentricities)
-    subject = next(
-        (
-            case.subject
-            for case in cases_of(study).values()
-            if (case.model, case.subject.sample, case.variant)
-            == (REFERENCE_MODEL, material.sample, REFERENCE)
-            and case.subject.mesh == mesh
-            and case.subject.direction.eccentricity == ratio
-        ),
-        None,
-    )
-    if subject is None or REFERENCE_MODEL not in material.shown_models:
+    ratio = min(material.study.eccentricities)
+    name = case_name(material.sample, min(material.study.meshes), ratio)
+    case = cases_of(material.study).get(f"{JointSubject.kind}/{REFERENCE_MODEL}/{name}")
+    if case is None or REFERENCE_MODEL not in material.shown_models:
         return ""
-    again = path_again(subject)
+    again = path_again(case.subject)
     if again is None:
         return ""
     problem, solution = again
     path = solution.path
     followed = behind(problem, path[-1], ratio, MOST_BEHIND)
-    lines = [(path, label_of(REFERENCE_MODEL).name, {"linestyle": "-", "lw": 1.2})]
-    if followed is not None:
-        dots = {"linestyle": ":", "marker": "o", "ms": 3, "lw": 1.0}
-        lines.append(((path[-1], *followed), "behind the peak", dots))
-    colour = label_of(REFERENCE_MODEL).colour
-    for points, name, line in lines:
+    label = label_of(REFERENCE_MODEL)
+
+    def draw(points: Sequence[Equilibrium], style: str, **look: Any) -> None:
         places = [1e6 * point.displacement for point in points]
-        axes.plot(places, [p.load for p in points], color=colour, label=name, **line)
-    axes.plot(1e6 * path[-1].displacement, path[-1].load, "*", color=colour, ms=9)
+        axes.plot(places, [point.load for point in points], style, color=label.colour, **look)
+
+    draw(path, "-", lw=1.2, label=label.name)
+    if followed is not None:
+        draw((path[-1], *followed), "o:", ms=3, lw=1.0, label="behind the peak")
+    draw(path[-1:], "*", ms=9)
     if followed is None:
         return "Star: the peak. "
     if not followed:

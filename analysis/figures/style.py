@@ -145,10 +145,9 @@ class FigureData:
         samples = published.samples(self.study)
         if not samples:
             return ""
-        shown = [s for s in samples if self.spec.sample in (None, s)]
-        other = [s for s in shown if not published.as_printed(self.study, s)]
         words = "Assumed: a, b, h and H (the paper's text gives a·b only)."
-        if other:
+        shown = [s for s in samples if self.spec.sample in (None, s)]
+        if other := [s for s in shown if not published.as_printed(self.study, s)]:
             frictions = {f"{self.study.joint(s).dry.friction:.4g}" for s in other}
             words += (
                 f" {', '.join(other)}: friction {', '.join(sorted(frictions))} on dry faces, to "

@@ -5,7 +5,7 @@ drawn from the tables, and a few load paths of the static model.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -59,19 +59,28 @@ def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
     """
     leading, mesh = leading_models(tables["fit"]), min(study.meshes)
     errors = rule_errors(tables, leading, mesh)
-    first, *others = [*answers(tables, leading, mesh)] or [NO_RULE]
+    first, *others = answers(tables, leading, mesh) or [NO_RULE]
+    alone = [first, *(each for each in others if each.answer and not each.by_sample)]
+    texts = [
+        {"question": _typeset(each.question), "answer": _typeset(each.answer)} for each in alone
+    ]
     worst = sorted(worst_of(errors), key=lambda error: -error.error)
     half = [error for error in errors if error.rule == "half"]
     shown = list(worst_by_friction(half, tables["validation"]).values()) if half else worst
     sample = shown[0].sample if shown else next(iter(study.samples))
+    told, by_sample = sample_words(study), [each for each in (first, *others) if each.by_sample]
     return {
-        "first": _words(first),
-        "named": [
-            words for name, words in sample_words(study).items() if f"({name}, " in first.answer
-        ],
+        "first": texts[0],
+        "named": [words for name, words in told.items() if f"({name}, " in first.answer],
         "sketch": sketch(study.joint(sample)),
-        "others": [_words(each) for each in others if each.answer and not each.by_sample],
-        "by_sample": _by_sample(study, [first, *others]),
+        "others": texts[1:],
+        "by_sample": {
+            "columns": [_typeset(each.column) for each in by_sample],
+            "rows": [
+                [words, *(_typeset(each.by_sample.get(name, "")) for each in by_sample)]
+                for name, words in told.items()
+            ],
+        },
         "safe": first.answer.startswith("Yes"),
         "rules": [_row(error) for error in worst],
         "caption": _caption(leading, mesh) if worst else "",
@@ -81,25 +90,6 @@ def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
         "sample": sample,
         "leading": leading,
         "mesh": mesh,
-    }
-
-
-def _words(answer: Question) -> dict[str, str]:
-    return {
-        "question": _typeset(answer.question),
-        "answer": _typeset(answer.answer),
-    }
-
-
-def _by_sample(study: Study, given: Sequence[Question]) -> dict[str, Any]:
-    """A table of the answers that are given sample by sample: ``columns`` and ``rows``."""
-    shown = [answer for answer in given if answer.by_sample]
-    return {
-        "columns": [_typeset(answer.column) for answer in shown],
-        "rows": [
-            [words, *(_typeset(answer.by_sample.get(sample, "")) for answer in shown)]
-            for sample, words in sample_words(study).items()
-        ],
     }
 
 
@@ -214,11 +204,20 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """Data of the page's charts of joints, beside the tables."""
     cases = shown_cases(cases_of(study).values())
-    joints = {name: study.joint(name) for name in study.interlocking}
+    joints = {name: study.joint(name) for name in study.samples}
     return {
         "samples": list(study.samples),
         "words": sample_words(study),
-        "sizes": sizes_of(study),
+        "sizes": {  # in SI units
+            name: {
+                "locks": joint.locks,
+                "a_m": joint.a,
+                "b_m": joint.b,
+                "T0_N": float(f"{joint.T0:.6g}"),
+                "friction": joint.dry.friction,
+            }
+            for name, joint in joints.items()
+        },
         "meshes": sorted(study.meshes),
         "rules": {name: rule_name(name) for name in study.sidmacib.reductions},
         "options": {
@@ -228,19 +227,11 @@ def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
         "paths": paths_of(cases),
         "pieces": {case.subject.sample: pieces_of(case) for case in cases},
         # The rules of elastic blocks take minutes for many locks.
-        "law": {name: law_of(joint) for name, joint in joints.items() if joint.elastic is None},
-    }
-
-
-def sizes_of(study: Study) -> dict[str, dict[str, float]]:
-    """Sizes of each sample for the page's script, in SI units."""
-    joints = {name: study.joint(name) for name in study.samples}
-    return {
-        name: {
-            **{"locks": joint.locks, "a_m": joint.a, "b_m": joint.b},
-            **{"T0_N": float(f"{joint.T0:.6g}"), "friction": joint.dry.friction},
-        }
-        for name, joint in joints.items()
+        "law": {
+            name: law_of(joints[name])
+            for name in study.interlocking
+            if joints[name].elastic is None
+        },
     }
 
 

@@ -125,19 +125,12 @@ def draw(axes: Axes, film: Film, point: Equilibrium, scale: float) -> None:
         low, high = np.array(piece.low[:2]), np.array(piece.high[:2])
         corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
         on_face = assembly.nodes.face == index
-        centre, move = (low + high) / 2.0, np.asarray(moves[place])
-        colour = BLUE if piece.name in upper else GREY
-        outline = MM * moved(corners, centre, move, scale)[:, ::-1]
-        axes.add_patch(
-            Polygon(
-                outline,
-                facecolor=colour,
-                alpha=0.3 if colour == BLUE else 0.6,
-                edgecolor=BLACK,
-                lw=0.8,
-            )
+        outline, nodes = (
+            MM * moved(points, (low + high) / 2.0, moves[place], scale)[:, ::-1]
+            for points in (corners, assembly.nodes.position[on_face, :2])
         )
-        nodes = MM * moved(assembly.nodes.position[on_face, :2], centre, move, scale)[:, ::-1]
+        colour, alpha = (BLUE, 0.3) if piece.name in upper else (GREY, 0.6)
+        axes.add_patch(Polygon(outline, facecolor=colour, alpha=alpha, edgecolor=BLACK, lw=0.8))
         bonded = point.state.bonded[on_face]
         used = shear[on_face] / face.material.cohesion
         look = {"marker": "s", "s": 26, "cmap": "viridis", "vmin": 0.0, "vmax": 1.0}
@@ -156,7 +149,7 @@ def draw_film(film: Film, path: Path) -> None:
     scale = WIDEST * joint.b / farthest
     figure = Figure(figsize=(8.4, 3.1), dpi=100)
     map_axes, line_axes = (figure.add_axes(place) for place in PLACES)
-    loads = np.array([share * point.load for point in every])
+    rising, loads = len(film.path), np.array([share * point.load for point in every])
     places = np.array([1e6 * point.displacement for point in every])
     note = (
         "Locks from below. Colour: shear stress over cohesion, from 0 (dark) to 1 (yellow);\n"
@@ -169,13 +162,14 @@ def draw_film(film: Film, path: Path) -> None:
             line_axes.clear()
             draw(map_axes, film, point, scale)
             _load(map_axes, joint, share * point.load, loads.max())
-            _line(
-                line_axes,
-                places,
-                loads,
-                len(film.path),
-                (1e6 * point.displacement, share * point.load),
-            )
+            line_axes.plot(places[:rising], loads[:rising], color=BLUE, lw=1.6)
+            line_axes.plot(places[rising - 1 :], loads[rising - 1 :], ":", color=BLUE, lw=1.0)
+            here = 1e6 * point.displacement, share * point.load
+            line_axes.plot(*here, "o", color=VERMILION, ms=7)
+            line_axes.set_xlim(0.0, 1.08 * places.max())
+            line_axes.set_ylim(0.0, 1.1 * loads.max())
+            line_axes.set_xlabel("displacement (µm)")
+            line_axes.set_ylabel("V (N)")
             map_axes.set_title(words, loc="left", fontsize=12, x=0.03)
             map_axes.text(0.03, 0.0, note, transform=map_axes.transAxes, fontsize=8, va="top")
             writer.grab_frame()
@@ -199,18 +193,6 @@ def _load(axes: Axes, joint: Joint, shear: float, largest: float) -> None:
     axes.set_ylim(-0.95 * MM * joint.a, 0.95 * MM * joint.a)
     axes.set_aspect("equal")
     axes.set_axis_off()
-
-
-def _line(
-    axes: Axes, places: Floats, loads: Floats, rising: int, here: tuple[float, float]
-) -> None:
-    axes.plot(places[:rising], loads[:rising], color=BLUE, lw=1.6)
-    axes.plot(places[rising - 1 :], loads[rising - 1 :], color=BLUE, lw=1.0, ls=":")
-    axes.plot(*here, "o", color=VERMILION, ms=7)
-    axes.set_xlim(0.0, 1.08 * places.max())
-    axes.set_ylim(0.0, 1.1 * loads.max())
-    axes.set_xlabel("displacement (µm)")
-    axes.set_ylabel("V (N)")
 
 
 def _fewer_colours(path: Path) -> None:

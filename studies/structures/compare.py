@@ -235,22 +235,17 @@ def within(results: Path) -> str:
     table = _table(results, "tilts")
     rows = []
     for what, ours, theirs, near in (
-        ("static model, 3DEC", "static_degrees", "threedec_degrees", 1.5),
-        ("YADE, 3DEC", "yade_degrees", "threedec_degrees", 0.5),
-        ("LIGGGHTS, 3DEC", "liggghts_degrees", "threedec_degrees", 1.0),
-        ("LIGGGHTS, YADE", "liggghts_degrees", "yade_degrees", 1.0),
-        ("YADE, static model", "yade_degrees", "static_degrees", 0.5),
-        (
-            "relaxation with finite rotations, 3DEC",
-            "finite_rotation_degrees",
-            "threedec_degrees",
-            1.5,
-        ),
-        ("static model, relaxation with small rotations", "static_degrees", "relaxed_degrees", 0.5),
-        ("limit analysis with a pyramid, RBE", "pyramid_degrees", "rbe_degrees", 1.0),
-        ("limit analysis with a cone, RBE", "limit_degrees", "rbe_degrees", 1.0),
+        ("static model, 3DEC", "static", "threedec", 1.5),
+        ("YADE, 3DEC", "yade", "threedec", 0.5),
+        ("LIGGGHTS, 3DEC", "liggghts", "threedec", 1.0),
+        ("LIGGGHTS, YADE", "liggghts", "yade", 1.0),
+        ("YADE, static model", "yade", "static", 0.5),
+        ("relaxation with finite rotations, 3DEC", "finite_rotation", "threedec", 1.5),
+        ("static model, relaxation with small rotations", "static", "relaxed", 0.5),
+        ("limit analysis with a pyramid, RBE", "pyramid", "rbe", 1.0),
+        ("limit analysis with a cone, RBE", "limit", "rbe", 1.0),
     ):
-        apart = (table[ours] - table[theirs]).abs().dropna()
+        apart = (table[f"{ours}_degrees"] - table[f"{theirs}_degrees"]).abs().dropna()
         agree = f"{(apart <= near).sum()} of {len(apart)} within {near:g}°"
         rows.append([what, agree, f"{apart.max():.2f}°"])
     return markdown(["compared", "agree", "largest difference"], rows)
