@@ -7,9 +7,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis.figures import curves, figures_of, joint, models, style
-from analysis.figures.style import FigureData, Stresses
+from analysis.figures.style import FigureData
 from workflow.case import JointCase
 from workflow.results import BATCH_NODES, read_records
+from workflow.results.joint_part import JointRecord
 from workflow.results.tables import read_tables
 from workflow.schema import Study
 from workflow.step import Arguments, FileLists, Files, step
@@ -28,8 +29,8 @@ DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
 }
 
 
-def stresses_of(case: JointCase, records: Path) -> Stresses | None:
-    """Stresses of a ``case`` whose record is in the file ``records``; None if it failed.
+def stresses_of(case: JointCase, records: Path) -> tuple[JointRecord, pd.DataFrame] | None:
+    """Record, in the file ``records``, and nodes of a ``case``; None if it failed.
 
     The nodes are in the case's own folder, or in those of the batch that it was solved in.
     """
@@ -41,7 +42,7 @@ def stresses_of(case: JointCase, records: Path) -> Stresses | None:
         nodes = pd.read_parquet(batch, filters=[("case", "==", case.name)])
     else:
         nodes = pd.read_csv(records.with_name("nodes.csv"))
-    return Stresses(case, record, nodes)
+    return record, nodes
 
 
 def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:

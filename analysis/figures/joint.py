@@ -13,12 +13,13 @@ from matplotlib.patheffects import withStroke
 
 from analysis.drawing import MM, boxes, label_of
 from analysis.figures import style
-from analysis.figures.style import FigureData, Stresses
+from analysis.figures.style import FigureData
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Floats
+from workflow.case import JointSubject
 
 X, Y, Z = range(3)
 TEXT = 8.0  # points, of all that is written in a map
@@ -113,13 +114,12 @@ def _size(axes: Axes, place: tuple[float, float, float], words: str) -> None:
 
 def stress_map(material: FigureData) -> Figure:
     """The inner faces of all locks in the case whose stresses the figure shows."""
-    shown = material.stresses
-    if shown is None:
-        case = material.spec.case
-        assert case is not None, f"{material.spec.name} shows no case"
+    case = material.spec.case
+    assert case is not None, f"{material.spec.name} shows no case"
+    if material.stresses is None:
         return style.words_only(f"{case.name} ({case.model}) has no result; see the summary.")
-    case, subject, found = shown.case, shown.case.subject, shown.record.part
-    joint, mesh = subject.joint, MM * subject.mesh
+    (record, nodes), subject = material.stresses, case.subject
+    found, joint, mesh = record.part, subject.joint, MM * subject.mesh
     eccentricity = subject.direction.eccentricity
     words = {0.0: "in pure shear", math.inf: "in pure torsion"}.get(
         eccentricity, f"under torsion and shear, e = {eccentricity:g} a,"
@@ -127,7 +127,7 @@ def stress_map(material: FigureData) -> Figure:
     width = 2.6 + 1.8 * joint.total_width / joint.a
     figure = Figure(figsize=(min(max(width, 6.0), 14.0), 4.4), layout="constrained")
     axes = figure.subplots()
-    cells = _draw_faces(axes, shown)
+    cells = _draw_faces(axes, subject, nodes)
     bar = figure.colorbar(cells, ax=axes, label="shear stress (kPa)", shrink=0.8)
     bar.ax.tick_params(labelsize=TEXT)
     for row in found.weights:
@@ -157,16 +157,16 @@ def stress_map(material: FigureData) -> Figure:
     return figure
 
 
-def _draw_faces(axes: Axes, shown: Stresses) -> QuadMesh:
-    joint = shown.case.subject.joint
+def _draw_faces(axes: Axes, subject: JointSubject, nodes: pd.DataFrame) -> QuadMesh:
+    joint = subject.joint
     strongest = max(joint.inner_of(lock).cohesion for lock in joint.numbers)
-    inner = shown.nodes[shown.nodes["face"].isin(lock_faces(joint))].round({"x_m": 12, "y_m": 12})
+    inner = nodes[nodes["face"].isin(lock_faces(joint))].round({"x_m": 12, "y_m": 12})
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"]) / 1e3
     inner = inner.assign(shear_kPa=magnitude.where(inner["bonded"] != 0))
-    faces = {face.name: face for face in assemble(joint, shown.case.subject.mesh).rectangles}
+    faces = {face.name: face for face in assemble(joint, subject.mesh).rectangles}
     look = {"cmap": mpl.colormaps["viridis"].with_extremes(bad="#bbbbbb"), "vmin": 0.0}
-    for name, nodes in inner.groupby("face", sort=False):
-        cells, face = nodes.pivot(index="x_m", columns="y_m", values="shear_kPa"), faces[str(name)]
+    for name, own in inner.groupby("face", sort=False):
+        cells, face = own.pivot(index="x_m", columns="y_m", values="shear_kPa"), faces[str(name)]
         along, across = (
             MM * cell_edges(places.to_numpy(), face.low[axis], face.high[axis])
             for axis, places in ((X, cells.index), (Y, cells.columns))

@@ -16,7 +16,7 @@ from analysis.published import read_published
 from analysis.tables import study_points
 from sidmacib.drawing import write_figure
 from sidmacib.models import MODELS, SOLVED, detailed
-from workflow.case import REFERENCE, JointCase
+from workflow.case import REFERENCE
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 
@@ -84,21 +84,15 @@ def save(figure: Figure, paths: list[Path]) -> None:
 
 
 @dataclass(frozen=True)
-class Stresses:
-    """The case that a stress map shows: its record and its nodes, in `NODE_COLUMNS`."""
-
-    case: JointCase
-    record: JointRecord
-    nodes: pd.DataFrame
-
-
-@dataclass(frozen=True)
 class FigureData:
-    """A figure's specification, the study, its tables, and the stresses that the figure shows."""
+    """A figure's specification, the study, its tables, and the stresses that the figure shows.
+
+    ``stresses``: record and nodes, in `NODE_COLUMNS`, of the figure's case; None if it failed.
+    """
 
     spec: FigureSpec
     study: Study
-    stresses: Stresses | None
+    stresses: tuple[JointRecord, pd.DataFrame] | None
     capacity: pd.DataFrame
     validation: pd.DataFrame
     models: pd.DataFrame

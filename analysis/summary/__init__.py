@@ -62,13 +62,6 @@ class RuleError:
         """The rule in words."""
         return label_of(self.rule).name if self.option is None else rule_name(self.rule)
 
-    @property
-    def option_words(self) -> str:
-        """The option of SiDMACIB in words; empty for a model."""
-        if self.option is None:
-            return ""
-        return option_name(self.option) + (" with friction" if self.friction else "")
-
 
 def rule_errors(
     tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
