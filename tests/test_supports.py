@@ -215,11 +215,27 @@ def drawn_away(span: float, overlap: float, **of_right: float) -> dict[str, Any]
     return beam(*ends, span, [1, 0, 0], interfaces={"friction": 0.4}, **special)
 
 
-@pytest.mark.parametrize(("span", "overlap"), [(1.5, 0.02), (6.0, 0.05)])
-def test_a_beam_falls_when_its_support_moved_by_the_overlap(span: float, overlap: float) -> None:
-    path = support_path(*structure_of(drawn_away(span, overlap, friction=0.1)))
+@pytest.mark.parametrize(
+    ("span", "overlap", "friction"),
+    [(1.5, 0.02, 0.1), (6.0, 0.05, 0.1), (1.5, 0.02, 0.0)],  # without: no reaction at any place
+)
+def test_a_beam_falls_when_its_support_moved_by_the_overlap(
+    span: float, overlap: float, friction: float
+) -> None:
+    path = support_path(*structure_of(drawn_away(span, overlap, friction=friction)))
     assert path.falls
     assert path.movement[-1] == pytest.approx(overlap, rel=0.02)
+
+
+@pytest.mark.parametrize("about", [0.5, 0.49, 0.3])  # below its centre: no reaction at first
+def test_a_block_on_a_support_that_turns_falls_when_its_weight_leaves_its_foot(
+    about: float,
+) -> None:
+    ground = box("ground", (-1, -1, -1), (2, 1, 0), 2e3, fixed=True)
+    model = structure([ground, box("block", (0.25, 0, 0), (0.75, 0.4, 1.2), 2e3)], dry(0.7))
+    path = support_path(model, support_moves(model, "ground", None, (0, 1, 0), (about, 0.2, -0.5)))
+    assert path.falls
+    assert math.tan(path.movement[-1]) == pytest.approx(0.5 / 1.2, rel=2e-3)
 
 
 @pytest.mark.engine

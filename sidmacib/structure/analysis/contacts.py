@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
@@ -81,8 +82,14 @@ class Contacts:
 
     def closer(self, most: float) -> "Contacts":
         """Those whose gap is at most that wide (m)."""
-        near = self.gap <= most
-        return Contacts(*(getattr(self, each.name)[near] for each in fields(self)))
+        return self._of(self.gap <= most)
+
+    def without(self, piece: int) -> "Contacts":
+        """Those of other pieces."""
+        return self._of((self.piece != piece) & (self.flat != piece))
+
+    def _of(self, chosen: NDArray[np.bool_]) -> "Contacts":
+        return Contacts(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
     def matrix(self, centres: Floats) -> csr_array:
         """Forces and moments about ``centres``, (P, 3), of unit contact forces, (6 P, 3 K).

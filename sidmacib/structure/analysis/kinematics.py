@@ -21,6 +21,7 @@ The capacity curve is the load over the motion of the mechanism of limit analysi
 Joints are rigid and dry.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -28,7 +29,7 @@ import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from sidmacib.errors import CapacityError, SolverError, UnboundedError
+from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import free_rows, row_units
@@ -44,7 +45,7 @@ from sidmacib.structure.analysis.contacts import (
 from sidmacib.structure.loads import PointForce, StructureLoads, SupportMotion
 
 STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
-LEAP = 0.25  # of the load at the start: a larger change in one step is a leap
+LEAP = 0.25  # of the load at the start: a larger change in one step of a curve is a leap
 SHORTEST = 1 / 64  # of a step: precision of the movement at which blocks fall
 MOST_STEPS = 500
 FAR = 300.0  # steps: contacts that are further open are left out
@@ -135,6 +136,7 @@ class Kinematics:
         limit = self.limit()
         if limit.untwisted is not None and limit.load < limit.untwisted - TWISTED * abs(limit.load):
             raise CapacityError(f"{WHAT}: blocks that twist on their faces are not followed")
+        steepest = math.inf if isinstance(self.loads, SupportMotion) else LEAP * abs(found[0].load)
         failed: list[CapacityError] = []
         step = first = self.step(found[0].motion)
         while not reached(found[-1]):
@@ -146,7 +148,7 @@ class Kinematics:
                 return Path(tuple(found), _verdict(failed))
             try:
                 after = self.after(found[-1], step)
-                if abs(after.load - found[-1].load) > LEAP * abs(found[0].load):
+                if abs(after.load - found[-1].load) > steepest:
                     raise LeapError(f"{WHAT}: the load leaps")
                 found.append(after)
             except CapacityError as error:
@@ -198,6 +200,20 @@ class Kinematics:
             scale * s.value,
             np.asarray(every.T @ motion).reshape(-1, 3),
         )
+
+    def stands_without(self, piece: int, here: Position) -> bool:
+        """Whether contacts that are closed at a position, none of a ``piece``, carry the weight."""
+        contacts = here.contacts.without(piece).closer(STILL * STEP * self.assembly.length)
+        rows, units = free_rows(self.assembly), self.loads.scale * row_units(self.assembly)
+        M = contacts.matrix(here.placed.centre)[rows].multiply((self.loads.scale / units)[:, None])
+        s = cp.Variable((len(contacts.gap), 3))
+        balance = M.tocsr() @ cp.vec(s, order="C") + self.loads.permanent.ravel()[rows] / units == 0
+        friction = cp.norm(s[:, 1:], 2, axis=1) <= cp.multiply(contacts.friction, s[:, 0])
+        try:
+            solve(cp.Problem(cp.Minimize(0), [balance, friction]), WHAT, *ACCURACIES)
+        except InfeasibleError:
+            return False
+        return True
 
     def _freedoms(self, placed: Placement) -> tuple[csr_array, Floats, Floats, Floats, float]:
         """What can move, and the forces along it: the free pieces, and the support that moves.

@@ -33,6 +33,7 @@ from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.quantities import some_of
 from sidmacib.structure.analysis.kinematics import (
     FALL,
+    LEAPS,
     PRESSED,
     REACHED,
     STILL,
@@ -80,8 +81,8 @@ class SupportPath:
 
     @property
     def falls(self) -> bool:
-        """Whether the structure falls at the last movement."""
-        return self.path.end == FALL
+        """Whether the structure falls at the last movement, or goes on without it."""
+        return self.path.end in (FALL, LEAPS)
 
     @property
     def free(self) -> bool:
@@ -129,7 +130,8 @@ def support_path(assembly: Assembly, loads: SupportMotion) -> SupportPath:
 
     def stands_alone(here: Position) -> bool:
         moves = np.abs(here.motion[free].reshape(-1, 2, 3)).max(axis=(0, 2)) @ [1, assembly.length]
-        return abs(here.load) <= PRESSED * loads.scale and bool(moves <= STILL)
+        rests = abs(here.load) <= PRESSED * loads.scale and bool(moves <= STILL)
+        return rests and kinematics.stands_without(loads.support, here)
 
     try:
         path = kinematics.path(stands_alone)
