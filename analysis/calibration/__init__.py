@@ -180,7 +180,7 @@ def shapes(curves: pd.DataFrame, of_study: set[str]) -> Figure:
             length = length_along(scaled.to_numpy())
             turn = first["turn_from_shear"] * length[-1]
             label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
-            label += ", the study's" * in_study
+            label += ", the study's" if in_study else ""
             axes.plot(x, y, color=colour, linewidth=2.4 if in_study else 1.0, label=label)
             corner = np.interp(turn, length, x), np.interp(turn, length, y)
             axes.plot(*corner, "s", color=colour, markersize=5)

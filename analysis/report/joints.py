@@ -102,7 +102,7 @@ def _typeset(words: str) -> str:
 def _row(error: RuleError) -> dict[str, Any]:
     return {
         "rule": _typeset(error.name),
-        "option": option_name(error.option or "") + " with friction" * error.friction,
+        "option": option_name(error.option or "") + (" with friction" if error.friction else ""),
         "error": f"{100 * error.error:+.1f} %".replace("-", "\N{MINUS SIGN}"),
         "mesh_error": "" if pd.isna(error.mesh_error) else percent(error.mesh_error),
         "where": f"{error.sample}, {direction_words(error.ratio)}",

@@ -242,7 +242,10 @@ def _weight_rows(
         total = math.fsum(weights)
         sums = published.numbers["weight_sum"][locks], published.numbers["active_locks"][locks]
         for quantity, value, computed, note in (
-            *((f"weight_lock{lock}", *both, IN_ORDER * (lock <= 2)) for lock, both in numbered),
+            *(
+                (f"weight_lock{lock}", *both, IN_ORDER if lock <= 2 else "")
+                for lock, both in numbered
+            ),
             ("weight_lock1_swapped", printed[1], weights[0], SWAPPED),
             ("weight_lock2_swapped", printed[0], weights[1], SWAPPED),
             ("weight_sum", sums[0], total, None),
