@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from command_runner import assembly, run
 from conftest import ROOT
 from structures import CUBE, GROUND, dry, example, study
@@ -55,6 +56,17 @@ def test_the_least_acceleration_is_found_between_the_directions_that_are_tried()
     assert push.tilt == pytest.approx(math.degrees(math.atan(0.25)), rel=1e-5)
     edge = math.degrees(math.atan2(push.direction[1], push.direction[0])) % 120.0
     assert edge == pytest.approx(80.0, abs=0.1)
+
+
+def test_the_least_acceleration_is_about_an_edge_that_is_not_of_the_weakest_direction() -> None:
+    corners = np.array([(-0.478, 0.462), (-0.416, -0.323), (0.502, -0.387), (0.283, 0.171)])
+    model = structure(
+        [GROUND, prism("block", np.pad(corners, ((0, 0), (0, 1))), (0.0, 0.0, 1.4), 2e3)], dry(1.5)
+    )
+    loads = permanent_only(model)
+    push = least_push(model, loads, pushes(model, loads))
+    plan = shapely.Polygon(corners)
+    assert push.acceleration == pytest.approx(plan.centroid.distance(plan.exterior) / 0.7, rel=1e-5)
 
 
 def said(path: Path, given: dict[str, Any], *more: str) -> tuple[int, str, list[dict[str, Any]]]:

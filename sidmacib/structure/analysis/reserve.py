@@ -6,8 +6,9 @@ loads, which stay as they are. Of an arch this is its thickness over the least o
 of thrust fits (Heyman, The Stone Skeleton, Cambridge, 1995).
 
 The least horizontal acceleration, of all directions: accelerations that are carried beside the
-permanent loads are a convex set, and the mechanism at its edge is normal to it. So from the
-weakest of some directions the search goes on along the normal, as long as it gets nearer.
+permanent loads are a convex set, and the mechanism at its edge is normal to it: the set lies behind
+the tangent there. From some directions the search goes on along the normal of the nearest tangent,
+as long as it gets nearer.
 """
 
 import math
@@ -133,17 +134,19 @@ def pushes(
 
 def least_push(assembly: Assembly, loads: StructureLoads, tried: Sequence[Push]) -> Push | None:
     """The least of all horizontal accelerations, from those that were ``tried``; None of none."""
-    if not tried:
-        return None
-    best = min(tried, key=lambda push: push.acceleration)
+    found = list(tried)
     mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
-    for _ in range(STEPS):
-        normal = mass @ best.mechanism[:, :3] * np.array([1.0, 1.0, 0.0])
-        push = _push(assembly, loads, normal / np.linalg.norm(normal))
-        if push is None or push.acceleration > best.acceleration * (1.0 - NEARER):
+    for _ in range(STEPS if found else 0):
+        normals = np.array([mass @ push.mechanism[:, :2] for push in found])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        edge = np.array([np.multiply(push.acceleration, push.direction[:2]) for push in found])
+        tangents = (normals * edge).sum(axis=1)
+        nearest, best = int(tangents.argmin()), min(push.acceleration for push in found)
+        if tangents[nearest] > best * (1.0 - NEARER):
             break
-        best = push
-    return best
+        if push := _push(assembly, loads, np.append(normals[nearest], 0.0)):
+            found.append(push)
+    return min(found, key=lambda push: push.acceleration, default=None)
 
 
 def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None:
