@@ -238,7 +238,9 @@ def _opened(path: Path) -> OpenedFile:
             "reserve without a load with multilock assembly FILE --report page.html"
         )
     if isinstance(demand.problem.loads, SupportMotion):
-        raise ValueError("load.support: is for multilock assembly only; use another load here")
+        raise ValueError(
+            "load.support: is for multilock assembly and studies; use another load here"
+        )
     if demand.case is None:
         solved = Solved.of(demand)
     else:

@@ -138,6 +138,23 @@ def _refine(problem: Problem, found: dict[int, FollowedPath], most: float) -> No
             return
 
 
+def on_fine_cells(problem: Problem, answer: StaticAnswer) -> FollowedPath:
+    """The path of a structure on cells on which edges give way as they are pressed.
+
+    As small as `MOST_NODES` allow. That of the ``answer`` if its peak does not count, or there is
+    none on these cells.
+    """
+    finest, divided = answer.assembly, HALF
+    while len((finer := refined(problem.assembly, divided)).nodes.area) <= MOST_NODES:
+        finest, divided = finer, 2 * divided
+    if not answer.counts.peak or len(finest.nodes.area) <= len(answer.assembly.nodes.area):
+        return answer
+    try:
+        return _followed(finest, problem.loads)
+    except CapacityError:
+        return answer
+
+
 def _doubt(problem: Problem, found: dict[int, FollowedPath]) -> str:
     """Why the peak does not count though a bond fails before it, or nothing.
 

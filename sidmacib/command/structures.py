@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import click
 
 from sidmacib.answers.structure import static_answer
-from sidmacib.answers.structure_paths import StaticAnswer
+from sidmacib.answers.structure_paths import SMALL, StaticAnswer, on_fine_cells
 from sidmacib.answers.verdict import Verdict, lower_first, verdict
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import draw, plot, text_of, write_text
@@ -25,7 +25,7 @@ from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import LimitTilt, assumes, limit_mesh_error
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.supports import joints_in_words, support_answers
-from sidmacib.structure.analysis.tilt import load_of_tilt, moves_most, turning
+from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.loads import load_warnings
 from sidmacib.structure.files.sections import StructureFile
 from sidmacib.structure.files.structure_file import Demand, demands_of
@@ -212,23 +212,12 @@ def _static(demand: Demand, answer: Static) -> Row:
     moves = ""
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
-    rotation = rotation_words(_rotation_effect(demand.problem, answer)) or "small displacements"
+    followed = on_fine_cells(demand.problem, answer)
+    path = [each for each in followed.path if each.load <= (1.0 + SMALL) * answer.load]
+    change = rotation_effect(followed.assembly, demand.problem.loads, path)
+    rotation = rotation_words(change) or "small displacements"
     note = f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
     return _row(demand, "static", answer.load, note, answer.mesh_error, answer)
-
-
-def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
-    """The change of the load that counts by finite rotation, over it; None where it is unknown."""
-    assembly, loads, load = answer.assembly, problem.loads, answer.load
-    if not load > 0.0:
-        return None
-    path = [point for point in answer.path if point.load <= answer.state.load]
-    if loads.axis is None:
-        change = rotation_effect(assembly, loads, path, load)
-    else:
-        loads = turning(loads, load)
-        change, load = rotation_effect(assembly, loads, path, 0.0), load_of_tilt(load, loads)
-    return None if change is None else change / load
 
 
 def _row(

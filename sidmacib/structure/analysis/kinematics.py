@@ -202,18 +202,26 @@ class Kinematics:
         )
 
     def stands_without(self, piece: int, here: Position) -> bool:
-        """Whether contacts that are closed at a position, none of a ``piece``, carry the weight."""
+        """Whether contacts that are closed at a position, none of a ``piece``, carry all loads."""
         contacts = here.contacts.without(piece).closer(STILL * STEP * self.assembly.length)
         rows, units = free_rows(self.assembly), self.loads.scale * row_units(self.assembly)
         M = contacts.matrix(here.placed.centre)[rows].multiply((self.loads.scale / units)[:, None])
         s = cp.Variable((len(contacts.gap), 3))
-        balance = M.tocsr() @ cp.vec(s, order="C") + self.loads.permanent.ravel()[rows] / units == 0
+        permanent = self._permanent(here.placed).ravel()[rows] / units
+        balance = M.tocsr() @ cp.vec(s, order="C") + permanent == 0.0
         friction = cp.norm(s[:, 1:], 2, axis=1) <= cp.multiply(contacts.friction, s[:, 0])
         try:
             solve(cp.Problem(cp.Minimize(0), [balance, friction]), WHAT, *ACCURACIES)
         except InfeasibleError:
             return False
         return True
+
+    def _permanent(self, placed: Placement) -> Floats:
+        """Permanent forces and moments on the pieces, (P, 6), which act where these have moved."""
+        always = self.loads.permanent.copy()
+        if isinstance(self.loads, StructureLoads):
+            always[:, 3:] = self.loads.turned_moments(placed.turn)
+        return always
 
     def _freedoms(self, placed: Placement) -> tuple[csr_array, Floats, Floats, Floats, float]:
         """What can move, and the forces along it: the free pieces, and the support that moves.
@@ -225,10 +233,8 @@ class Kinematics:
         """
         loads, rows, width = self.loads, free_rows(self.assembly), 6 * len(self.assembly.pieces)
         ones = csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), (len(rows), width))
-        always, driving = loads.permanent.copy(), loads.variable.copy()
-        if isinstance(loads, StructureLoads):
-            always[:, 3:] = loads.turned_moments(placed.turn)
-        units, permanent = row_units(self.assembly) * loads.scale, always.ravel()[rows]
+        units, driving = row_units(self.assembly) * loads.scale, loads.variable.copy()
+        permanent = self._permanent(placed).ravel()[rows]
         if isinstance(loads, SupportMotion):
             moves = np.zeros((1, width))
             moves[0, 6 * loads.support :][:6] = loads.motion(placed.centre[loads.support])

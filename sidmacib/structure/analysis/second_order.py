@@ -11,27 +11,65 @@ forces act at other places, and have moments that it leaves out. Their work in t
 
 The first sum is over the pieces, the second over the forces on each, f at r from its centroid. For
 a block that rocks it is the slope of its load, :math:`W \tan(\alpha - \theta)`, times its rotation.
+The largest of :math:`\lambda + \Delta\lambda` on the path is the load that is left: as an edge is
+pressed more it gives way ever faster, without end at the load of rigid blocks. Coarse cells do not
+show it: a cell at the edge takes the place of the edge.
 """
 
+import math
 from collections.abc import Sequence
+from contextlib import suppress
+from itertools import pairwise
 
 import numpy as np
 
+from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.equilibrium import face_frames, motion_of
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.structure.analysis.tilt import Turning, load_of_tilt, turning
 from sidmacib.structure.loads import PointForce, StructureLoads
 
 MATTERS = 0.05  # of the load: a change that is worth a note
+FINER = 5  # halvings of the path around the largest load that is left
 
 
-def rotation_effect(
+def rotation_effect(assembly: Assembly, loads: Loads, path: Sequence[Equilibrium]) -> float | None:
+    """The change of the load at the end of ``path`` by finite rotation, over it.
+
+    ``loads``: whose variable part raises the path. None where it has no motion along the load.
+    """
+    turns = loads.axis is not None
+    solver = Turning(assembly, loads) if turns else RigidSolver(assembly, loads)
+
+    def left(path: Sequence[Equilibrium]) -> float:
+        """The load at the last equilibrium with its change."""
+        at, load, carried = loads, path[-1].load, path[-1].load
+        if turns:
+            at, load, carried = turning(loads, load), 0.0, load_of_tilt(load, loads)
+        change = _change(assembly, at, path, load)
+        return -math.inf if change is None else path[-1].load * (1.0 + change / carried)
+
+    found = [(point, left(path[: number + 1])) for number, point in enumerate(path)]
+    for _ in range(FINER):
+        best = max(range(len(found)), key=lambda number: found[number][1])
+        for (one, _), (other, _) in pairwise(found[max(best - 1, 0) : best + 2]):
+            with suppress(NoEquilibriumError):
+                middle = (one.load + other.load) / 2.0
+                point = solver.solve(middle, one.unknowns, one.state)
+                found.append((point, left((one, point))))
+        found.sort(key=lambda each: each[0].load)
+    most = max(each for _, each in found)
+    return None if math.isinf(most) else most / path[-1].load - 1.0
+
+
+def _change(
     assembly: Assembly, loads: Loads, path: Sequence[Equilibrium], load: float
 ) -> float | None:
     """The change of the load by the rotations at the last equilibrium of ``path``, in N.
 
-    ``loads``: whose variable part raises the path there; ``load`` (N): the multiple of it that acts
-    beside the permanent loads. None where the path has no motion along the load.
+    ``load`` (N): the multiple of the variable ``loads`` that acts beside the permanent ones.
     """
     earlier = [point for point in path if point.load < path[-1].load]
     if not earlier:
@@ -61,8 +99,6 @@ def rotation_words(change: float | None) -> str:
     """A note on a ``change`` of the load, over it; nothing if it does not matter."""
     if change is None or abs(change) <= MATTERS:
         return ""
-    if abs(change) >= 1.0:
-        return "blocks turn too far for small displacements to describe it"
     way = "lower" if change < 0.0 else "raise"
     return (
         f"small displacements: finite rotation would {way} it by about {100.0 * abs(change):.2g} %"

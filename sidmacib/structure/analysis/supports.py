@@ -81,8 +81,8 @@ class SupportPath:
 
     @property
     def falls(self) -> bool:
-        """Whether the structure falls at the last movement, or goes on without it."""
-        return self.path.end in (FALL, LEAPS)
+        """Whether the structure falls at the last movement."""
+        return self.path.end == FALL
 
     @property
     def free(self) -> bool:
@@ -316,6 +316,8 @@ def _end(path: SupportPath) -> str:
         return f"the structure falls; {joints_in_words(path.hinges, path.slides)}"
     if path.free:
         return "the support carries nothing more: the structure stands without it"
+    if path.path.end == LEAPS:
+        return "the blocks go on in another way at once, and may fall; it was followed no further"
     if path.path.met:
         return f"{' and '.join(path.path.met)} meet; it was followed no further"
     return "the structure still stands; it was followed no further"

@@ -120,7 +120,7 @@ def static_tilt(assembly: Assembly, loads: Loads) -> StaticTilt:
     """
     if reason := assembly.without_stiffness:
         raise CapacityError(reason)
-    solver = _Turning(assembly, loads)
+    solver = Turning(assembly, loads)
     found, last = brittle_path(solver)
     if found.mode is Mode.BONDS:
         return StaticTilt(found.first_failure_load, found.path, Motion.BONDS, None)
@@ -129,8 +129,11 @@ def static_tilt(assembly: Assembly, loads: Loads) -> StaticTilt:
     return StaticTilt(found.first_failure_load, found.path, motion, mechanism)
 
 
-class _Turning(OtherSearches):
-    """Equilibria under gravity that turns; the load is the angle in degrees."""
+class Turning(OtherSearches):
+    """Equilibria under gravity that turns; the load is the angle in degrees.
+
+    ``loads``: by `tilting`.
+    """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
         self.assembly, self.loads = assembly, loads
@@ -139,9 +142,11 @@ class _Turning(OtherSearches):
         self.scale, self.precision = STEP / INCREMENT, PRECISION
 
     def at(self, angle: float) -> RigidSolver:
+        """The solver under gravity that has turned by an ``angle``."""
         return self.upright.under(turned(self.loads, angle))
 
     def start(self) -> Equilibrium:
+        """Upright; `NoEquilibriumError` if it does not stand."""
         try:
             return super().start()
         except NoEquilibriumError:
@@ -150,6 +155,7 @@ class _Turning(OtherSearches):
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
     ) -> Equilibrium:
+        """At the angle ``load``; `UnboundedError` beyond `LARGEST`."""
         if load > LARGEST:
             raise UnboundedError(f"in equilibrium up to {LARGEST:g} degrees")
         point = self.at(load).solve(0.0, guess, state, thorough=thorough)
