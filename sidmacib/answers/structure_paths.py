@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnsettledError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
+from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static import MOST_ROTATION, static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import SETTLED, structure_mesh_errors
@@ -139,18 +139,20 @@ def _refine(problem: Problem, found: dict[int, FollowedPath], most: float) -> No
 
 
 def on_fine_cells(problem: Problem, answer: StaticAnswer) -> FollowedPath:
-    """The path of a structure on cells on which edges give way as they are pressed.
+    """The path of a structure that rocks, on cells on which edges give way as they are pressed.
 
-    As small as `MOST_NODES` allow. That of the ``answer`` if its peak does not count, or there is
-    none on these cells.
+    As small as `MOST_NODES` allow. That of the ``answer`` if it does not rock, if its peak does not
+    count, or if there is none on these cells.
     """
+    if answer.mode != Mode.ROCKING or not answer.counts.peak:
+        return answer
     finest, divided = answer.assembly, HALF
     while len((finer := refined(problem.assembly, divided)).nodes.area) <= MOST_NODES:
-        finest, divided = finer, 2 * divided
-    if not answer.counts.peak or len(finest.nodes.area) <= len(answer.assembly.nodes.area):
-        return answer
+        if len(finer.nodes.area) > len(finest.nodes.area):
+            finest = finer
+        divided *= 2
     try:
-        return _followed(finest, problem.loads)
+        return _followed(finest, problem.loads) if finest is not answer.assembly else answer
     except CapacityError:
         return answer
 
