@@ -89,7 +89,8 @@ class Outcome:
     faces whose bonds hold to the end are not there. ``mesh_errors``: of the first failure and the
     peak. ``counts``: which of the two does; None where the model does not say, and its last load
     counts. ``cells``: the pieces on the cells that all of this is from, where they are not those of
-    the problem; ``given``: the failures (N) on the cells of the problem.
+    the problem; ``given``: the failures (N) on the cells of the problem. ``rotation``: change of
+    the load that counts by finite rotation, over it.
     """
 
     path: tuple[State, ...]
@@ -105,6 +106,7 @@ class Outcome:
     counts: Counts | None = None
     cells: Assembly | None = None
     given: Failures | None = None
+    rotation: float | None = None
 
     @property
     def state(self) -> State:

@@ -221,3 +221,16 @@ def test_soft_joints_let_a_tower_lean_and_carry_less(
 def test_a_tower_on_stiff_joints_carries_what_it_did(path: Path, load: dict[str, Any]) -> None:
     assert loss_of_a_tower(1e11) < 0.04
     assert static_note(path, 1e11, load).endswith("; small displacements")
+
+
+def test_a_tower_that_turns_over_under_the_load_does_not_carry_it(path: Path) -> None:
+    law = {"normal_stiffness": 1e8, "shear_stiffness": 1e8, "friction": 0.7}
+    tower = {"blocks": {"block": {"high": [WIDTH, 0.6, HEIGHT]}}, "interfaces": law}
+    weight = 2000 * GRAVITY * WIDTH * 0.6 * HEIGHT
+    load = {"acceleration": [1, 0, 0], "newtons": 0.8 * weight * WIDTH / HEIGHT}
+    found = assembly(path, with_changes(ON_GROUND, tower) | {"load": load})
+    left = (1.0 - loss_of_a_tower(1e8)) / 0.8
+    assert left < 0.9 and found.exit_code == 1
+    words, without = found.stdout.splitlines()[0].split(" with finite rotation, ")
+    assert float(words.rsplit(maxsplit=1)[1]) == pytest.approx(left, rel=0.02)
+    assert words.startswith("No: it does not carry") and without == "1.25 without it"

@@ -131,7 +131,8 @@ def _answer(record: StructureRecord | None, model: str) -> KeptAnswer | Capacity
     peak = record.load_N if peak is None else peak
     failures = Failures(peak if first is None else first, peak)
     counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
-    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, record.mode)
+    how = record.mode, part.rotation
+    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, *how)
 
 
 def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:

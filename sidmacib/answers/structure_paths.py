@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnsettledError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
+from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import MOST_ROTATION, static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import SETTLED, structure_mesh_errors
@@ -53,12 +53,15 @@ class FollowedPath:
 class StaticAnswer(FollowedPath):
     """What the static model answers for a structure: the path on the smallest cells.
 
-    ``given``: the failures on the cells of the file.
+    ``given``: the failures on the cells of the file. ``rotation``: the change of the load that
+    counts by finite rotation, over it, see `sidmacib.structure.analysis.second_order`; None where
+    it is not known.
     """
 
     given: Failures
     mesh_errors: MeshErrors
     counts: Counts
+    rotation: float | None = None
 
     @property
     def load(self) -> float:
@@ -103,7 +106,7 @@ def unbounded_answer(problem: Problem, most: float = math.inf) -> StaticAnswer:
 
     ``most``: a load (N or degrees) that the peak on small cells should not exceed by far.
     """
-    found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
+    found = {1: followed(*problem), HALF: followed(refined(problem.assembly), problem.loads)}
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)
     _refine(problem, found, most)
@@ -133,28 +136,9 @@ def _refine(problem: Problem, found: dict[int, FollowedPath], most: float) -> No
         if len(smaller.nodes.area) > MOST_NODES:
             return
         try:
-            found[divided] = _followed(smaller, problem.loads)
+            found[divided] = followed(smaller, problem.loads)
         except UnsettledError:
             return
-
-
-def on_fine_cells(problem: Problem, answer: StaticAnswer) -> FollowedPath:
-    """The path of a structure that rocks, on cells on which edges give way as they are pressed.
-
-    As small as `MOST_NODES` allow. That of the ``answer`` if it does not rock, if its peak does not
-    count, or if there is none on these cells.
-    """
-    if answer.mode != Mode.ROCKING or not answer.counts.peak:
-        return answer
-    finest, divided = answer.assembly, HALF
-    while len((finer := refined(problem.assembly, divided)).nodes.area) <= MOST_NODES:
-        if len(finer.nodes.area) > len(finest.nodes.area):
-            finest = finer
-        divided *= 2
-    try:
-        return _followed(finest, problem.loads) if finest is not answer.assembly else answer
-    except CapacityError:
-        return answer
 
 
 def _doubt(problem: Problem, found: dict[int, FollowedPath]) -> str:
@@ -168,7 +152,7 @@ def _doubt(problem: Problem, found: dict[int, FollowedPath]) -> str:
     if len(third.nodes.area) > MOST_NODES:
         return "a third mesh, which shows whether the peak depends on it, is too large"
     try:
-        found[QUARTER] = _followed(third, problem.loads, lowest=True)
+        found[QUARTER] = followed(third, problem.loads, lowest=True)
     except CapacityError as error:
         return f"there is no peak on a third mesh: {error}"
     return _unsettled(found)
@@ -192,7 +176,7 @@ def _unsettled(found: Mapping[int, FollowedPath]) -> str:
     return "blocks turn further on each smaller mesh" if ends_below else ""
 
 
-def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> FollowedPath:
+def followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> FollowedPath:
     """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
     try:
         if loads.axis is not None:

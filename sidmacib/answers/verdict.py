@@ -14,6 +14,7 @@ from sidmacib.answers.structure_paths import CRUSHING, LOWER, StaticAnswer, bond
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.problem import Counts, Failures
 from sidmacib.quantities import four_digits
+from sidmacib.structure.analysis.second_order import MATTERS
 
 if TYPE_CHECKING:
     from sidmacib.mechanics.limit import LimitState
@@ -24,7 +25,8 @@ class KeptAnswer:
     """What decides of an answer that a study keeps; the same stands in a `StaticAnswer`.
 
     ``load``: the one that counts, N; ``counts``: whether that is the peak, and why; ``mesh_error``:
-    of that load, over it; ``mode``: how it fails.
+    of that load, over it; ``mode``: how it fails; ``rotation``: change of the load by finite
+    rotation, over it.
     """
 
     load: float
@@ -32,6 +34,7 @@ class KeptAnswer:
     counts: Counts
     mesh_error: float | None
     mode: str | None
+    rotation: float | None = None
 
 
 @dataclass(frozen=True)
@@ -69,10 +72,12 @@ def verdict(
     """The verdict on a load of ``newtons``, by the answers of both models."""
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
     if not isinstance(static, CapacityError):
-        found, factor = _by_static(newtons, static, most), static.load / newtons
-        if most is None or most >= factor * (1.0 - LOWER):
+        found = _by_static(newtons, static, most)
+        assert found.factor is not None
+        if most is None or most >= found.factor * (1.0 - LOWER):
             return found
-        note = f"limit analysis decides, as it is lower: the static model has {factor_of(factor)}"
+        of_static = factor_of(static.load / newtons)
+        note = f"limit analysis decides, as it is lower: the static model has {of_static}"
         by_limit = _by_limit(newtons, most, note)
         return replace(by_limit, first=found.first, peak=found.peak)
     for error in (static, limit):
@@ -100,6 +105,9 @@ def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | 
     factors, notes = factor_of(peak), []
     if bond_fails(static.failures):
         factors = f"{factor_of(first)} to the first failure, {factor_of(peak)} to the peak"
+    if (change := static.rotation or 0.0) < -MATTERS:
+        factor *= 1.0 + change
+        factors = f"{factor_of(factor)} with finite rotation, {factors} without it"
     if bond_fails(static.failures) or static.mode == CRUSHING:
         notes.append(str(static.counts))
     if abs(factor - 1.0) < error * factor:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import click
 
 from sidmacib.answers.structure import static_answer
-from sidmacib.answers.structure_paths import SMALL, StaticAnswer, on_fine_cells
+from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.answers.verdict import Verdict, lower_first, verdict
 from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import draw, plot, text_of, write_text
@@ -23,7 +23,7 @@ from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import LimitTilt, assumes, limit_mesh_error
-from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
+from sidmacib.structure.analysis.second_order import rotation_words
 from sidmacib.structure.analysis.supports import joints_in_words, support_answers
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.loads import load_warnings
@@ -212,10 +212,7 @@ def _static(demand: Demand, answer: Static) -> Row:
     moves = ""
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
-    followed = on_fine_cells(demand.problem, answer)
-    path = [each for each in followed.path if each.load <= (1.0 + SMALL) * answer.load]
-    change = rotation_effect(followed.assembly, demand.problem.loads, path)
-    rotation = rotation_words(change) or "small displacements"
+    rotation = rotation_words(answer.rotation) or "small displacements"
     note = f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
     return _row(demand, "static", answer.load, note, answer.mesh_error, answer)
 

@@ -134,12 +134,14 @@ class FirstFailure:
     """The end of the path on which all bonds are whole.
 
     ``point``: the last equilibrium. ``failing``: the nodes that are about to fail there, (N,); none
-    if the load cannot rise for another reason. ``mode``: the reason.
+    if the load cannot rise for another reason. ``mode``: the reason. ``increment``: the largest of
+    the load on the path, over the loads' scale.
     """
 
     point: Equilibrium
     failing: Flags
     mode: Mode
+    increment: float
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,7 @@ def outcome_of(problem: Problem, answer: StaticAnswer) -> Outcome:
         counts=answer.counts,
         cells=answer.assembly,
         given=Failures(*map(load_of, answer.given)),
+        rotation=answer.rotation,
     )
 
 

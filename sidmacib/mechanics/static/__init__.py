@@ -87,13 +87,14 @@ def static_first_failure(
 def first_failure_of(solver: Solver, increment: float | None = None) -> FirstFailure:
     """`static_first_failure` by a ``solver`` that is there."""
     if increment is None:
-        path, failing, _ = _to_first_failure(solver)
+        path, failing, refinement = _to_first_failure(solver)
+        increment = refinement * INCREMENT
     else:
         require_positive(increment=increment)
         limited = SmallMotions(solver, opening=solver.most_opening)
         path, failing = _raised(limited, [solver.start()], increment / INCREMENT)
     mode = Mode.BONDS if failing.any() else _motion(solver, path[-1])
-    return FirstFailure(path[-1], failing, mode)
+    return FirstFailure(path[-1], failing, mode, increment)
 
 
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:

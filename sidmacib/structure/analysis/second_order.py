@@ -40,6 +40,8 @@ def rotation_effect(assembly: Assembly, loads: Loads, path: Sequence[Equilibrium
 
     ``loads``: whose variable part raises the path. None where it has no motion along the load.
     """
+    if not path:
+        return None
     turns = loads.axis is not None
     solver = Turning(assembly, loads) if turns else RigidSolver(assembly, loads)
 
