@@ -12,6 +12,7 @@ from sidmacib import OPTIONS, InfeasibleError, Sidmacib, capacity, limit_load, s
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Kind, Loads, NodeLayout
+from sidmacib.mechanics.limit import require_standing
 from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import structure_of
@@ -113,6 +114,8 @@ def test_a_rule_under_pressure_counts_only_where_the_interface_is_compressed_as_
     assert carried(3e4) == pytest.approx(carried(2.1e4))
     with pytest.raises(InfeasibleError):
         carried(1.9e4)
+    with pytest.raises(InfeasibleError, match="pressed by less than their hold_down"):
+        require_standing(two, pressed(joint, Direction(0.0), 10.0, arm=arm), friction=True)
 
 
 def test_locks_take_nothing_from_the_mass_of_an_arch_and_alternate() -> None:

@@ -46,7 +46,8 @@ def limit_state(assembly: Assembly, loads: Loads, most: float | None = None) -> 
 def assumes(assembly: Assembly) -> str:
     """What limit analysis assumes that may put its load too high or too low."""
     if any(isinstance(face, CondensedLocks) and face.limits for face in assembly.faces):
-        return "locks limited by the rule, held down as given; the first lock to fail governs"
+        held = "locks limited by the rule under their hold_down, a plate by default"
+        return f"{held}; the first lock to fail governs"
     if any(face.kind is Kind.INNER for face in assembly.faces):
         rough = any(face.material.bond_friction for face in assembly.faces)
         bonds = "ductile bonds" if rough else "ductile, frictionless bonds"
