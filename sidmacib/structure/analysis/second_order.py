@@ -23,7 +23,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sidmacib.errors import NoEquilibriumError
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.equilibrium import face_frames, motion_of
 from sidmacib.mechanics.rigid import RigidSolver
@@ -57,7 +57,7 @@ def rotation_effect(assembly: Assembly, loads: Loads, path: Sequence[Equilibrium
     for _ in range(FINER):
         best = max(range(len(found)), key=lambda number: found[number][1])
         for (one, _), (other, _) in pairwise(found[max(best - 1, 0) : best + 2]):
-            with suppress(NoEquilibriumError):
+            with suppress(CapacityError):
                 middle = (one.load + other.load) / 2.0
                 point = solver.solve(middle, one.unknowns, one.state)
                 found.append((point, left((one, point))))
