@@ -15,6 +15,7 @@ from structures import dry, example
 from sidmacib import InfeasibleError, greatest_reaction, least_reaction, support_path
 from sidmacib.engines.curve import yade_answer
 from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.structure.analysis.kinematics import Kinematics
 from sidmacib.structure.analysis.supports import static_reactions, support_answers
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import structure_of
@@ -161,6 +162,23 @@ def test_a_support_that_nothing_needs_comes_free() -> None:
     assert least_reaction(model, loads).size == pytest.approx(0.0, abs=1e-6 * free_weight(model))
     path = support_path(model, loads)
     assert path.free and not path.falls
+
+
+@pytest.mark.parametrize(
+    ("places", "support", "stands"),
+    [
+        ({"left": 0.0, "right": 3.8}, "right", False),
+        ({"left": 0.0, "middle": 1.9, "right": 3.8}, "middle", True),
+    ],
+)
+def test_smooth_contacts_do_not_pull_where_a_support_is_left_out(
+    places: dict[str, float], support: str, stands: bool
+) -> None:
+    blocks = supports_at(**places)
+    model = structure([*blocks, box("beam", (0, 0, 0), (4, 0.3, 0.3), 2e3)], dry(0.0))
+    loads = support_moves(model, support, (0, 0, -1))
+    kinematics = Kinematics(model, loads)
+    assert kinematics.stands_without(loads.support, kinematics.start()) is stands
 
 
 def test_the_moment_of_a_support_that_turns_is_its_force_times_the_lever() -> None:

@@ -131,8 +131,7 @@ def _answer(record: StructureRecord | None, model: str) -> KeptAnswer | Capacity
     peak = record.load_N if peak is None else peak
     failures = Failures(peak if first is None else first, peak)
     counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
-    how = record.mode, part.rotation
-    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, *how)
+    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, record.mode, part.rotation)
 
 
 def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:

@@ -184,11 +184,9 @@ class Kinematics:
         M = (directions @ every).multiply((scale / units)[:, None]).tocsr()
         p, q = permanent / units, driving * unit / units
         load, s = cp.Variable(), cp.Variable((len(contacts.gap), 3))
-        s_n, s_t = s[:, 0], s[:, 1:]
         balance = M @ cp.vec(s, order="C") + p + load * q == 0.0
-        friction = cp.norm(s_t, 2, axis=1) <= cp.multiply(contacts.friction, s_n)
-        objective = cp.Maximize(load - contacts.gap / closing @ s_n)
-        solve(cp.Problem(objective, [balance, s_n >= 0, friction]), WHAT, *ACCURACIES)
+        objective = cp.Maximize(load - contacts.gap / closing @ s[:, 0])
+        solve(cp.Problem(objective, [balance, *_admissible(contacts, s)]), WHAT, *ACCURACIES)
         multipliers = balance.dual_value / units
         motion = directions.T @ (multipliers / float(multipliers @ driving))
         return Position(
@@ -209,9 +207,9 @@ class Kinematics:
         s = cp.Variable((len(contacts.gap), 3))
         permanent = self._permanent(here.placed).ravel()[rows] / units
         balance = M.tocsr() @ cp.vec(s, order="C") + permanent == 0.0
-        friction = cp.norm(s[:, 1:], 2, axis=1) <= cp.multiply(contacts.friction, s[:, 0])
         try:
-            solve(cp.Problem(cp.Minimize(0), [balance, friction]), WHAT, *ACCURACIES)
+            problem = cp.Problem(cp.Minimize(0), [balance, *_admissible(contacts, s)])
+            solve(problem, WHAT, *ACCURACIES)
         except InfeasibleError:
             return False
         return True
@@ -263,6 +261,12 @@ class Kinematics:
             elif pressed.any() and opening[on_face].max() > least:
                 hinges.append(face.name)
         return tuple(hinges), tuple(slides)
+
+
+def _admissible(contacts: Contacts, s: cp.Variable) -> list[cp.Constraint]:
+    """Contact forces ``s``, (K, 3), press, and are within the cones of friction."""
+    s_n, s_t = s[:, 0], s[:, 1:]
+    return [s_n >= 0, cp.norm(s_t, 2, axis=1) <= cp.multiply(contacts.friction, s_n)]
 
 
 def _verdict(failed: Sequence[CapacityError]) -> str:

@@ -71,7 +71,8 @@ def _change(
 ) -> float | None:
     """The change of the load by the rotations at the last equilibrium of ``path``, in N.
 
-    ``load`` (N): the multiple of the variable ``loads`` that acts beside the permanent ones.
+    ``load`` (N): the multiple of the variable ``loads`` that acts beside the permanent ones. None
+    where the path has no motion along the load.
     """
     earlier = [point for point in path if point.load < path[-1].load]
     if not earlier:
