@@ -260,8 +260,8 @@ DEMANDED = {
     },
 }
 SAID = {
-    "bonds": "Yes: it carries 4000 N with a factor of 1.84 with finite rotation, 0.4 to the first "
-    "failure, 1.96 to the peak without it; ",
+    "bonds": "Yes: it carries 4000 N with a factor of 1.84 with finite rotation (without it 0.4 to "
+    "the first failure, 1.96 to the peak); ",
     "locks": "to the limit; limit analysis, which may overestimate; the static model has no",
     "cases": "No: wind, full, flood are not carried; flood governs: the structure does not stand "
     "under its own weight and the other permanent loads",

@@ -107,7 +107,7 @@ def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | 
         factors = f"{factor_of(first)} to the first failure, {factor_of(peak)} to the peak"
     if (change := static.rotation or 0.0) < -MATTERS:
         factor *= 1.0 + change
-        factors = f"{factor_of(factor)} with finite rotation, {factors} without it"
+        factors = f"{factor_of(factor)} with finite rotation (without it {factors})"
     if bond_fails(static.failures) or static.mode == CRUSHING:
         notes.append(str(static.counts))
     if abs(factor - 1.0) < error * factor:

@@ -11,12 +11,12 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
 from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Integers, Kind
+from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.overlaps import Placed, candidates, overlap
@@ -88,7 +88,7 @@ class Contacts:
         """Those of other pieces."""
         return self._of((self.piece != piece) & (self.flat != piece))
 
-    def _of(self, chosen: NDArray[np.bool_]) -> "Contacts":
+    def _of(self, chosen: Flags) -> "Contacts":
         return Contacts(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
     def matrix(self, centres: Floats) -> csr_array:

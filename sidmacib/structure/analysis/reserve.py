@@ -144,8 +144,10 @@ def least_push(assembly: Assembly, loads: StructureLoads, tried: Sequence[Push])
         nearest, best = int(tangents.argmin()), min(push.acceleration for push in found)
         if tangents[nearest] > best * (1.0 - NEARER):
             break
-        if push := _push(assembly, loads, np.append(normals[nearest], 0.0)):
-            found.append(push)
+        push = _push(assembly, loads, np.append(normals[nearest], 0.0))
+        if push is None:
+            break
+        found.append(push)
     return min(found, key=lambda push: push.acceleration, default=None)
 
 

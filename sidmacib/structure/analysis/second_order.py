@@ -32,7 +32,7 @@ from sidmacib.structure.analysis.tilt import Turning, load_of_tilt, turning
 from sidmacib.structure.loads import PointForce, StructureLoads
 
 MATTERS = 0.05  # of the load: a change that is worth a note
-FINER = 5  # halvings of the path around the largest load that is left
+HALVINGS = 5  # of the path, around the largest load that is left
 
 
 def rotation_effect(assembly: Assembly, loads: Loads, path: Sequence[Equilibrium]) -> float | None:
@@ -54,7 +54,7 @@ def rotation_effect(assembly: Assembly, loads: Loads, path: Sequence[Equilibrium
         return -math.inf if change is None else path[-1].load * (1.0 + change / carried)
 
     found = [(point, left(path[: number + 1])) for number, point in enumerate(path)]
-    for _ in range(FINER):
+    for _ in range(HALVINGS):
         best = max(range(len(found)), key=lambda number: found[number][1])
         for (one, _), (other, _) in pairwise(found[max(best - 1, 0) : best + 2]):
             with suppress(CapacityError):
