@@ -23,10 +23,8 @@ class NoEquilibriumError(CapacityError):
     """No equilibrium was found at a load."""
 
 
-class UnsettledError(CapacityError):
-    """Whether there is an equilibrium remains open; the ``load`` below has one, None if unknown."""
-
-    load: float | None = None
+class NoStiffnessError(CapacityError):
+    """Contact points stand for locks: only limit analysis has an answer."""
 
 
 class ResultError(ValueError):

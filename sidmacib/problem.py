@@ -64,13 +64,15 @@ class State:
 
     ``displacement``: the one that the load does work on, in m. ``force``: (N, 3) in N, on the piece
     above in the frame of the face, see `sidmacib.mechanics.equilibrium.face_frames`. ``bonded``:
-    (N,). Each is None if the model does not give it.
+    (N,). ``motion``: of the pieces since they were built, see
+    `sidmacib.mechanics.equilibrium.placed`. Each is None if the model does not give it.
     """
 
     load: float
     displacement: float | None = None
     force: Floats | None = None
     bonded: Flags | None = None
+    motion: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -89,8 +91,8 @@ class Outcome:
     faces whose bonds hold to the end are not there. ``mesh_errors``: of the first failure and the
     peak. ``counts``: which of the two does; None where the model does not say, and its last load
     counts. ``cells``: the pieces on the cells that all of this is from, where they are not those of
-    the problem; ``given``: the failures (N) on the cells of the problem. ``rotation``: change of
-    the load that counts by finite rotation, over it.
+    the problem; ``given``: the failures (N) on the cells of the problem, with springs at nodes as
+    engines have them; None where there are none.
     """
 
     path: tuple[State, ...]
@@ -106,7 +108,6 @@ class Outcome:
     counts: Counts | None = None
     cells: Assembly | None = None
     given: Failures | None = None
-    rotation: float | None = None
 
     @property
     def state(self) -> State:
@@ -132,7 +133,8 @@ def checked_share(problem: Problem, outcome: Outcome) -> float | None:
         )
     if not np.isfinite(state.force).all():
         raise ResultError("a stress is not a finite number")
-    share = unbalanced_share(assembly, problem.loads, state.load, state.force)
+    motion = outcome.motion if outcome.motion_kind == AT_THE_LOAD else state.motion
+    share = unbalanced_share(assembly, problem.loads, state.load, state.force, motion)
     check_balance(share, state.load, problem.loads)
     return share
 

@@ -15,7 +15,6 @@ from sidmacib import Assembly, FaceMaterial, Loads, NodeLayout, UpperBody, assem
 from sidmacib.joint import DRY, Joint
 from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, Rectangle
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
-from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.equilibrium import (
     compliance,
@@ -24,8 +23,10 @@ from sidmacib.mechanics.equilibrium import (
     natural_frequencies,
     wrenches,
 )
-from sidmacib.mechanics.newton import put_at, solve_linear
-from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point, tangent_stiffness
+from sidmacib.mechanics.newton import put_at
+from sidmacib.mechanics.newton.faces import Applied, ContactFaces, Point, new_point, put_slips
+from sidmacib.mechanics.newton.linear import solve_linear
+from sidmacib.mechanics.newton.stiffness import tangent_stiffness
 from sidmacib.mechanics.rigid import RigidSolver, ordering
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
@@ -115,8 +116,13 @@ def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
 def point_at(contacts: ContactFaces, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
     """What ``unknowns`` of compiled ``contacts`` make of its nodes, without other forces."""
     here = new_point(len(unknowns), contacts.start)
-    put_at(contacts, slip, whole, np.zeros_like(unknowns), here, unknowns)
+    put_at(contacts, slip, whole, unloaded(here), here, unknowns)
     return here
+
+
+def unloaded(here: Point) -> Applied:
+    """No loads on the pieces."""
+    return Applied(np.zeros_like(here.unknowns), np.zeros_like(here.turn))
 
 
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
@@ -124,7 +130,7 @@ def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembl
     unknowns, state = some_state(model)
     contacts, nodes = rigid_solver.contacts, (components(state.slip), state.whole)
     here = point_at(contacts, *nodes, unknowns)
-    tangent_stiffness(contacts, *nodes, here, 0.0, rigid_solver.matrix)
+    tangent_stiffness(contacts, *nodes, unloaded(here), here, 0.0, rigid_solver.matrix)
     direction = np.random.default_rng(2).normal(size=len(unknowns))
     ends = (unknowns + step * direction for step in (1e-12, -1e-12))
     after, before = (point_at(contacts, *nodes, end).residual for end in ends)
@@ -139,10 +145,10 @@ def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
     contacts, whole, before = rigid_solver.contacts, state.whole, components(state.slip)
     here = point_at(contacts, before, whole, unknowns)
     slip, same = np.empty_like(before), np.empty_like(before)
-    put_slip(contacts.law, before, whole, here.moved, here.force, slip)
+    put_slips(contacts, before, whole, here, slip)
     again = point_at(contacts, slip, whole, unknowns)
     assert again.force == pytest.approx(here.force, rel=1e-9, abs=1e-9)
-    put_slip(contacts.law, slip, whole, again.moved, again.force, same)
+    put_slips(contacts, slip, whole, again, same)
     assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
     assert (slip[:, state.bonded] == before[:, state.bonded]).all()
 

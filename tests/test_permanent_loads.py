@@ -171,7 +171,8 @@ def test_a_force_on_top_of_a_tilted_block_holds_it_by_its_lever() -> None:
     """W (h sin t - b cos t) / 2 = P x + Q h about the lower edge, x = 0; Q pulls it uphill."""
     force = {**PRESSED[1]["force"], "at": [0.2, 0.5, 1], "newtons": 0.1 * WEIGHT}
     up = {**force, "direction": [1, 0, 0], "at": [0.5, 0.5, 1], "newtons": 0.05 * WEIGHT}
-    given = {**CUBE, "interfaces": {"friction": 3}, "load": SLOPE}
+    stiff = {"friction": 3, "normal_stiffness": 1e14, "shear_stiffness": 1e14}
+    given = {**CUBE, "interfaces": stiff, "load": SLOPE}
     for forces, moment in (((force,), 0.1 * 0.2), ((force, up), 0.1 * 0.2 + 0.05 * 1.0)):
         problem = structure_of({**given, "permanent": [{"force": each} for each in forces]})
         exact = 45.0 + math.degrees(math.asin(2.0 * moment / math.sqrt(2.0)))

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 from structures import BLOCK, GROUND, dry, moved, on_ground
 
 from sidmacib import (
-    CapacityError,
     Direction,
     HoldDown,
     Joint,
@@ -21,12 +20,9 @@ from sidmacib import (
     limit_load,
     static_peak,
 )
-from sidmacib.answers.structure import static_answer
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
-from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.cutting import cut
 from sidmacib.structure.interfaces import common, interfaces
@@ -73,7 +69,9 @@ GLUE = FaceMaterial(1e10, 1e10, 0.0, 1e9, 2e4)
 
 def test_a_bonded_block_tears_off_where_the_stress_of_a_beam_reaches_its_strength() -> None:
     model = structure([GROUND, BLOCK], GLUE)
-    first = static_peak(model, acceleration(model, (1.0, 0.0, 0.0))).first_failure_load
+    first = static_peak(
+        replace(model, finite=False), acceleration(model, (1.0, 0.0, 0.0))
+    ).first_failure_load
     section, arm = 0.6 * 0.4**2 / 6, 0.5  # load at mid-height
     expected = (2e4 + BLOCK.weight / (0.4 * 0.6)) * section / arm
     assert first == pytest.approx(expected, rel=1e-6)
@@ -126,7 +124,7 @@ def test_the_joint_is_a_structure_of_its_pieces(body: UpperBody) -> None:
     names = [block.name for block in blocks]
     laws = {frozenset({names[f.below], names[f.above]}): f.material for f in model.faces}
     same = structure(blocks, dry(0.0), laws, mesh=0.03, nodes=NodeLayout.LOBATTO)
-    same = replace(same, length=model.length)
+    same = replace(same, length=model.length, finite=False)
     assert len(same.faces) == len(model.faces)
     found, expected = static_peak(same, loads), static_peak(model, loads)
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=1e-9)
@@ -217,17 +215,6 @@ def test_blocks_that_are_not_convex_may_touch_but_not_overlap(turn: tuple[int, i
                 structure(pair, dry(0.5))
         else:
             assert len(structure(pair, dry(0.5)).faces) == 2
-
-
-def test_unsettled_friction_tells_the_last_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = on_ground(0.2)  # slides
-    problem = Problem(model, acceleration(model, (1.0, 0.0, 0.0)))
-    monkeypatch.setattr(friction_rounds, "MANY", 0)
-    monkeypatch.setattr(friction_rounds, "ROUNDS_OF_MANY", 0)
-    with pytest.raises(CapacityError, match=r"there is equilibrium up to \S+ N$") as caught:
-        static_answer(problem)
-    found = float(str(caught.value).split()[-2])
-    assert found == pytest.approx(0.2 * BLOCK.weight, rel=1e-3)
 
 
 # --- geometry that would give wrong numbers, and rounding ----------------------------------------

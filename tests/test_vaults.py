@@ -3,6 +3,7 @@
 import json
 import math
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -143,9 +144,11 @@ def test_finite_rotations_wedge_a_block_that_small_ones_let_go() -> None:
     """It then slides as a whole, at a friction of mu over the sine of half the notch's angle."""
     model, tilt = tilts(structure(notch(1.0, 2.3), dry(0.84)), (1.0, 0.0, 0.0))
     small = relaxed_tilt(model, tilt, finite=False)
-    assert small == pytest.approx(static_tilt(model, tilt).angle, abs=0.3)
+    built = static_tilt(replace(model, finite=False), tilt).angle
+    assert small == pytest.approx(built, abs=0.3)
     slides = degrees(0.84 / math.cos(math.radians(30.0)))
     assert small < slides - 5.0
+    assert static_tilt(model, tilt).angle == pytest.approx(slides, abs=0.7)
     assert relaxed_tilt(model, tilt, finite=True) == pytest.approx(slides, abs=0.3)
 
 
@@ -175,7 +178,7 @@ def test_shapes_have_their_known_answers() -> None:
         near = 0.003 if answer.source in published["sources"] else 1e-6
         assert answer.limit == pytest.approx(answer.known, rel=near), answer.name
         if answer.static is not None:
-            assert answer.static == pytest.approx(answer.limit, rel=1e-4), answer.name
+            assert 0.995 * answer.limit < answer.static <= answer.limit * 1.0001, answer.name
 
 
 def test_walls_that_slide_carry_their_known_acceleration_and_less_along_a_path() -> None:

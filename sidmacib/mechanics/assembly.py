@@ -5,7 +5,7 @@ faces may have any shape; the joint's are cuboids and rectangles. All quantities
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import product
 from typing import TYPE_CHECKING, TypeVar
@@ -253,12 +253,17 @@ class Rectangle(Face):
 class Nodes:
     """Contact nodes of all faces, one row each, face by face.
 
-    ValueError unless nodes are in the order of their faces, all numbers finite and areas above 0.
+    ``triangles`` between nodes of a face, face by face, over whose pressed parts the pressure on
+    dry faces is integrated; each counts with an area of ``parts``, which add up to the face's.
+    Faces without have springs at their nodes. ValueError unless nodes are in the order of their
+    faces, all numbers finite and areas above 0.
     """
 
     face: Integers  # (N,) index of the face
     position: Floats  # (N, 3) in m
     area: Floats  # (N,) tributary area in m2
+    triangles: Integers = field(default_factory=lambda: np.zeros((0, 3), np.int64))  # (T, 3)
+    parts: Floats = field(default_factory=lambda: np.zeros(0))  # (T,) in m2
 
     def __post_init__(self) -> None:
         if np.any(self.face[1:] < self.face[:-1]):
@@ -276,8 +281,9 @@ class Assembly:
     ``length`` (m) converts rotations to displacements and moments to forces. ``failure`` applies
     to all inner faces. ``mesh`` (m) and ``layout`` are those of the nodes; the finite elements of
     elastic pieces use the same. ``most_opening`` (m): of a face, before a bond fails; beyond it
-    pieces are no longer held as where they were built. ValueError unless lengths are above 0, and
-    for bonds with friction that are not brittle.
+    pieces are no longer held as where they were built. ``finite``: whether forces balance where
+    rigid pieces have moved to, rather than where they were built. ValueError unless lengths are
+    above 0, and for bonds with friction that are not brittle.
     """
 
     pieces: tuple[Piece, ...]
@@ -288,6 +294,7 @@ class Assembly:
     mesh: float = math.inf
     layout: NodeLayout = NodeLayout.LOBATTO
     most_opening: float = math.inf
+    finite: bool = False
 
     def __post_init__(self) -> None:
         require_positive(length=self.length)
@@ -374,6 +381,13 @@ class Loads:
             return self.permanent + load * self.variable
         vectors = self.permanent.reshape(-1, 3)
         return rotated(vectors, np.array(self.axis), load / self.scale).reshape(-1, 6)
+
+    def levers(self) -> Floats:
+        """Sums of arm (m) times force (N) on each piece, whose arms turn with it, (2, P, 3, 3).
+
+        Of the permanent loads, and of 1 N of the variable one.
+        """
+        return np.zeros((2, len(self.permanent), 3, 3))
 
     def require_proportional(self) -> None:
         """ValueError if gravity turns, for models that raise loads in proportion."""

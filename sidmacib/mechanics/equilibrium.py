@@ -104,31 +104,68 @@ def motion_of(assembly: Assembly, unknowns: Floats) -> Floats:
     return motion.reshape(-1, RIGID)
 
 
+def placed(assembly: Assembly, unknowns: Floats) -> Floats:
+    """Displacements (m) and rotation vectors (rad) of all pieces, (P, 6).
+
+    ``unknowns``: of a `sidmacib.mechanics.rigid.RigidSolver`, with Gibbs vectors.
+    """
+    motion = motion_of(assembly, unknowns)
+    half = np.linalg.norm(motion[:, 3:], axis=1) / 2.0
+    angle = np.divide(np.arctan(half), half, out=np.ones_like(half), where=half > 0.0)
+    return np.hstack([motion[:, :3], angle[:, None] * motion[:, 3:]])
+
+
 def self_weight(pieces: Sequence[Piece]) -> Floats:
     """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
     return np.array([[0.0, 0.0, -piece.weight, 0.0, 0.0, 0.0] for piece in pieces])
 
 
-def unbalanced_forces(assembly: Assembly, loads: Loads, load: float, force: Floats) -> Floats:
+def moments_of(levers: Floats) -> Floats:
+    """Moments (N m), (P, 3), of sums of arm times force (N m), (P, 3, 3)."""
+    across = levers - np.swapaxes(levers, 1, 2)
+    return np.stack([across[:, 1, 2], across[:, 2, 0], across[:, 0, 1]], axis=1)
+
+
+def unbalanced_forces(
+    assembly: Assembly, loads: Loads, load: float, force: Floats, motion: Floats | None = None
+) -> Floats:
     """Unbalanced force (N) and moment (N m) on each piece under ``load`` (N), (P, 6).
 
     ``force``: (N, 3) in N, what the piece below each node exerts on the piece above, in the frame
-    of the face. The moments are about the pieces' centroids; fixed pieces have 0.
+    of the face. ``motion``: of the pieces since they were built, see `placed`; frames then turn
+    with the pieces below, and nodes are where the pieces above have moved. The moments are about
+    the pieces' centroids; fixed pieces have 0.
     """
     unbalanced = loads.at(load)
-    on_above = np.einsum("nk,nkx->nx", force, face_frames(assembly))
-    for side, sign in (("above", 1.0), ("below", -1.0)):
-        piece = np.array([getattr(face, side) for face in assembly.faces])[assembly.nodes.face]
-        centre = np.array([each.centre for each in assembly.pieces])[piece]
-        moment = np.cross(assembly.nodes.position - centre, on_above)
+    below, above = np.array([(face.below, face.above) for face in assembly.faces])[
+        assembly.nodes.face
+    ].T
+    centre = np.array([each.centre for each in assembly.pieces])
+    frames, arms = face_frames(assembly), assembly.nodes.position - centre[above]
+    if motion is not None:
+        rotation = importlib.import_module("scipy.spatial.transform").Rotation
+        turn = rotation.from_rotvec(motion[:, 3:]).as_matrix()
+        frames = frames @ np.swapaxes(turn, 1, 2)[below]
+        arms = np.einsum("nij,nj->ni", turn[above], arms)
+        centre = centre + motion[:, :3]
+        permanent, raised = loads.levers()
+        unbalanced[:, 3:] += moments_of((turn - np.eye(3)) @ (permanent + load * raised))
+    on_above = np.einsum("nk,nkx->nx", force, frames)
+    for piece, sign in ((above, 1.0), (below, -1.0)):
+        moment = np.cross(arms + centre[above] - centre[piece], on_above)
         np.add.at(unbalanced, piece, sign * np.hstack([on_above, moment]))
     unbalanced[[i for i, each in enumerate(assembly.pieces) if each.fixed]] = 0.0
     return unbalanced
 
 
-def unbalanced_share(assembly: Assembly, loads: Loads, load: float, force: Floats) -> float:
-    """Largest unbalanced force on a piece over ``load``, or moment over that times the length."""
-    unbalanced = unbalanced_forces(assembly, loads, load, force)
+def unbalanced_share(
+    assembly: Assembly, loads: Loads, load: float, force: Floats, motion: Floats | None = None
+) -> float:
+    """Largest unbalanced force on a piece over ``load``, or moment over that times the length.
+
+    Arguments of `unbalanced_forces`.
+    """
+    unbalanced = unbalanced_forces(assembly, loads, load, force, motion)
     most_force = float(np.linalg.norm(unbalanced[:, :3], axis=1).max())
     most_moment = float(np.linalg.norm(unbalanced[:, 3:], axis=1).max())
     return max(most_force, most_moment / assembly.length) / load

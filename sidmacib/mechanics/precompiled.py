@@ -14,7 +14,7 @@ from numba import float64, int64, typeof, types
 from sidmacib.mechanics import newton
 from sidmacib.mechanics.compilation import SHIPPED, Shipped
 from sidmacib.mechanics.contact_law import kernels
-from sidmacib.mechanics.newton import faces
+from sidmacib.mechanics.newton import drift, faces, least_energy, linear, stiffness
 
 Signature = tuple[Any, ...]
 
@@ -22,28 +22,31 @@ Signature = tuple[Any, ...]
 def signatures() -> dict[Any, Signature]:
     """Functions that the static model calls, and the types that it calls them with."""
     row, table, three = float64[::1], float64[:, ::1], types.UniTuple(float64, 3)
-    whole = np.zeros((1, 2), np.int64)
-    start, cube = whole[0], np.zeros((1, 3, 3))
-    law, places, blocks = np.zeros((4, 1)), np.zeros((2, 1)), np.zeros((1, 2, 2, 6, 6))
-    contacts = typeof(
-        faces.ContactFaces(law, places, start, cube, cube, whole, blocks, False, 0, 0, 0)
-    )
-    matrix, here = (
-        typeof(newton.Matrix(law, law, law)),
-        typeof(faces.new_point(1, np.array([0, 1]))),
-    )
-    solved, nodes = (contacts, matrix, here), (row, row, table, row)  # forces, guess, slip, whole
+    four = types.UniTuple(float64, 4)
+    plain, cube = np.zeros((1, 1)), np.zeros((1, 3, 3))
+    whole, start = np.zeros((1, 2), np.int64), np.zeros(2, np.int64)
+    of_faces = plain, plain, start, cube, cube, whole, start
+    of_triangles = np.zeros((1, 3), np.int64), plain[0], start
+    contacts = typeof(faces.ContactFaces(*of_faces, *of_triangles, cube, 1.0, False, 0, 0, 0))
+    matrix, here = typeof(linear.Matrix(plain, plain, plain)), typeof(faces.new_point(6, start))
+    loads = typeof(faces.Applied(plain[0], cube))
+    solved, nodes = (contacts, matrix, here), (loads, row, table, row)  # guess, slip, whole
+    controlled = types.UniTuple(loads, 2), row, float64, float64, table, row
     return {
-        faces.whole_faces: (contacts, here),
+        stiffness.whole_faces: (contacts, here),
         newton.elastic: (*solved, row, float64),
         newton.equilibrium: (*solved, *nodes, three),
-        kernels.put_slip: (table, table, row, table, table, table),
-        kernels._utilisation: (row, row, row, row, table, float64),
-        newton.product: (row, row),
-        newton.allowed_at: (row, float64, float64),
-        newton.put_at: (contacts, table, row, row, here, row),
-        newton.least_energy: (*solved, *nodes, types.UniTuple(float64, 4)),
+        drift.settled: (*solved, *nodes, four),
+        newton.controlled: (*solved, *controlled, three),
+        drift.pushed: (*solved, *nodes, float64, float64),
+        drift.falling_ways: (contacts, table, row, loads, matrix, here, float64),
+        newton.put_at: (contacts, table, row, loads, here, row),
+        faces.put_slips: (contacts, table, row, here, table),
+        least_energy.product: (row, row),
+        least_energy.allowed_at: (row, float64, float64),
+        least_energy.least_energy: (*solved, *nodes, four),
         newton.newton: (*solved, *nodes, three, types.Tuple((float64, int64))),
+        kernels._utilisation: (row, row, row, row, table, float64),
         kernels.forces_and_tangents: (table, table, row, table),
     }
 

@@ -22,7 +22,7 @@ class Equilibrium:
     ``displacement``: along the load, in m. ``force``: (N, 3) in N, the force of the piece below
     each node on the piece above in the frame of the face: normal (compression positive) and two
     tangents. ``state``: of the nodes. ``rotation``: the largest of a piece, in rad; of an elastic
-    one on average. ``opening``: the largest of a face, at a node, in m.
+    one on average. ``opening``, ``closing``: the largest of a face, at a node, in m.
     """
 
     load: float
@@ -32,19 +32,23 @@ class Equilibrium:
     state: NodeState
     rotation: float
     opening: float
+    closing: float = 0.0
 
 
 class Solver:
     """Finds equilibria of an assembly along a path of loading.
 
-    ``contact_law``: of its nodes. ``scale``: of its loads, in N. ``precision``: of the loads at
-    which a path turns, over them. ``most_opening``: of a face, see
-    `sidmacib.mechanics.assembly.Assembly`, in m.
+    ``contact_law``: of its nodes. ``scale``: of its loads, in N. ``size``: of the pieces, in m.
+    ``finite``: whether it follows them as they move. ``precision``: of the loads at which a path
+    turns, over them. ``most_opening``: of a face, see `sidmacib.mechanics.assembly.Assembly`, in m.
+    ``fell``: load (N) of the last top of a path beyond which pieces did not come to rest elsewhere.
     """
 
     contact_law: ContactLaw
     scale: float
+    size, finite = math.inf, False
     precision = LEAST_INCREMENT
+    fell = math.nan
     most_opening = math.inf
 
     def start(self) -> Equilibrium:
@@ -61,9 +65,25 @@ class Solver:
         """
         raise NotImplementedError
 
+    def at_displacement(
+        self, displacement: float, guess: Equilibrium, state: NodeState
+    ) -> Equilibrium:
+        """Equilibrium at a ``displacement`` along the load (m), from a ``guess`` and nodes' state.
+
+        `NoEquilibriumError` if none is found, as by a solver that cannot look for it.
+        """
+        raise NoEquilibriumError(f"no equilibrium {displacement:g} m along the load")
+
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
         raise NotImplementedError
+
+    def stable(self, point: Equilibrium) -> bool:
+        """Whether the pieces return to ``point`` where they are moved a little, as far as known."""
+        return True
+
+    def stable_only(self) -> None:
+        """Find only equilibria that are `stable` from here on."""
 
 
 class OtherSearches(Solver):
@@ -72,7 +92,8 @@ class OtherSearches(Solver):
     def __init__(self, solver: Solver) -> None:
         self.solver, self.contact_law = solver, solver.contact_law
         self.scale, self.precision = solver.scale, solver.precision
-        self.most_opening = solver.most_opening
+        self.most_opening, self.size = solver.most_opening, solver.size
+        self.finite = solver.finite
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
@@ -81,6 +102,20 @@ class OtherSearches(Solver):
     def lift(self, point: Equilibrium, load: float) -> float:
         """As of the ``solver``."""
         return self.solver.lift(point, load)
+
+    def at_displacement(
+        self, displacement: float, guess: Equilibrium, state: NodeState
+    ) -> Equilibrium:
+        """As of the ``solver``."""
+        return self.solver.at_displacement(displacement, guess, state)
+
+    def stable(self, point: Equilibrium) -> bool:
+        """As of the ``solver``."""
+        return self.solver.stable(point)
+
+    def stable_only(self) -> None:
+        """As of the ``solver``."""
+        self.solver.stable_only()
 
 
 class SmallMotions(OtherSearches):
@@ -126,6 +161,7 @@ class Mode(StrEnum):
     ROCKING = (
         "rocking"  # pieces are lifted against the permanent loads, and no bond is at its strength
     )
+    PRESSED = "pressed in"  # faces close by a part of the pieces' size, and nothing has failed
     APART = "apart"  # locks come apart too far to be held as they are, and no bond has failed
 
 

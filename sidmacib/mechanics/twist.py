@@ -291,5 +291,5 @@ def _points(outline: shapely.Polygon) -> tuple[Floats, Floats, float]:
     size = float(max(high_x - low_x, high_y - low_y))
     rectangle = len(outline.exterior.coords) == 5 and not outline.interiors
     cells = CELLS if rectangle else OTHERS
-    places, areas = outline_nodes(outline, size / cells, NodeLayout.LOBATTO)
+    places, areas = outline_nodes(outline, size / cells, NodeLayout.LOBATTO)[:2]
     return places / size, areas / areas.sum(), size

@@ -1,6 +1,8 @@
 """The static brittle model."""
 
-from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.equilibrium import placed
+from sidmacib.mechanics.solution import Equilibrium, StaticSolution
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Outcome, Problem, State
@@ -9,18 +11,16 @@ from sidmacib.problem import Outcome, Problem, State
 def solve(problem: Problem) -> Outcome:
     """The equilibria on the way to the lowest peak; `sidmacib.errors.CapacityError` if none."""
     found = lowest_peak(*problem)
-    return _outcome(found, found.spread)
+    return _outcome(problem.assembly, found, found.spread)
 
 
 def solve_once(problem: Problem) -> Outcome:
     """The equilibria on the way to a peak; no lower one is sought. Raises as `solve` does."""
-    return _outcome(static_peak(*problem), None)
+    return _outcome(problem.assembly, static_peak(*problem), None)
 
 
-def _outcome(solution: StaticSolution, spread: float | None) -> Outcome:
-    states = tuple(
-        State(float(p.load), p.displacement, p.force, p.state.bonded) for p in solution.path
-    )
+def _outcome(assembly: Assembly, solution: StaticSolution, spread: float | None) -> Outcome:
+    states = tuple(state_of(assembly, each, each.load) for each in solution.path)
     return Outcome(
         states,
         solution.failed_load,
@@ -29,3 +29,9 @@ def _outcome(solution: StaticSolution, spread: float | None) -> Outcome:
         spread,
         float(solution.peak.load),
     )
+
+
+def state_of(assembly: Assembly, point: Equilibrium, load: float) -> State:
+    """An equilibrium of ``assembly`` as a state at a ``load`` (N)."""
+    motion = placed(assembly, point.unknowns) if assembly.finite else None
+    return State(float(load), point.displacement, point.force, point.state.bonded, motion)

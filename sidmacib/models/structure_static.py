@@ -1,16 +1,19 @@
 """The static model of a structure."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from sidmacib.answers.structure import static_answer
-from sidmacib.answers.structure_paths import CRUSHING, StaticAnswer, bond_fails
+from sidmacib.answers.structure_paths import CRUSHING, StaticAnswer, bond_fails, followed
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads
-from sidmacib.mechanics.equilibrium import motion_of
+from sidmacib.mechanics.equilibrium import placed
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static import static_first_failure
-from sidmacib.problem import AT_THE_LOAD, MECHANISM, Failures, Outcome, Problem, State
+from sidmacib.models.static import state_of
+from sidmacib.problem import AT_THE_LOAD, MECHANISM, Failures, Outcome, Problem
 from sidmacib.structure.analysis.tilt import PRECISION, load_of_tilt
 
 
@@ -19,25 +22,24 @@ def solve(problem: Problem) -> Outcome:
 
     `sidmacib.errors.CapacityError` if there is none.
     """
-    return outcome_of(problem, static_answer(problem))
+    answer = static_answer(problem)
+    try:
+        given = followed(*problem).failures
+    except CapacityError:
+        return outcome_of(problem, answer)
+    return outcome_of(problem, answer, given)
 
 
-def outcome_of(problem: Problem, answer: StaticAnswer) -> Outcome:
-    """The ``answer`` for a structure as an outcome."""
+def outcome_of(problem: Problem, answer: StaticAnswer, given: Failures | None = None) -> Outcome:
+    """The ``answer`` for a structure as an outcome; ``given``: as there."""
     tilts = problem.loads.axis is not None
 
     def load_of(value: float) -> float:
         return load_of_tilt(value, problem.loads) if tilts else value
 
-    path = tuple(
-        State(
-            load_of(point.load),
-            None if tilts else point.displacement,
-            point.force,
-            point.state.bonded,
-        )
-        for point in answer.path
-    )
+    path = tuple(state_of(answer.assembly, each, load_of(each.load)) for each in answer.path)
+    if tilts:
+        path = tuple(replace(each, displacement=None) for each in path)
     return Outcome(
         path,
         failed_load=path[-1].load * (1.0 + (PRECISION if tilts else LEAST_INCREMENT)),
@@ -45,14 +47,13 @@ def outcome_of(problem: Problem, answer: StaticAnswer) -> Outcome:
         mode=answer.mode,
         peak_spread=answer.spread,
         peak_load=path[-1].load,
-        motion=answer.mechanism if tilts else motion_of(answer.assembly, answer.state.unknowns),
+        motion=answer.mechanism if tilts else placed(answer.assembly, answer.state.unknowns),
         motion_kind=MECHANISM if tilts else AT_THE_LOAD,
         broken_at={f: load_of(load) for f, load in _broken_at(answer, problem.loads).items()},
         mesh_errors=answer.mesh_errors,
         counts=answer.counts,
         cells=answer.assembly,
-        given=Failures(*map(load_of, answer.given)),
-        rotation=answer.rotation,
+        given=given and Failures(*map(load_of, given)),
     )
 
 

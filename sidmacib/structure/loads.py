@@ -67,11 +67,9 @@ class StructureLoads(Loads):
         fixed = self.beside.wrenches
         return Loads.at(replace(self, permanent=self.permanent - fixed), load) + fixed
 
-    def turned_moments(self, turns: Floats) -> Floats:
-        """Moments (N m) of permanent loads on pieces that have turned by ``turns``, (P, 3, 3)."""
-        sums = turns @ self.beside.levers
-        across = sums - np.swapaxes(sums, 1, 2)
-        return np.stack([across[:, 1, 2], across[:, 2, 0], across[:, 0, 1]], axis=1)
+    def levers(self) -> Floats:
+        """Sums of arm times force, see `Loads.levers`."""
+        return np.array([self.beside.levers, np.zeros_like(self.beside.levers)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +80,10 @@ class PointForce(StructureLoads):
     """
 
     arms: Floats
+
+    def levers(self) -> Floats:
+        """Sums of arm times force, see `Loads.levers`."""
+        return np.array([self.beside.levers, self.arms[:, :, None] * self.variable[:, None, :3]])
 
 
 @dataclass(frozen=True, kw_only=True)

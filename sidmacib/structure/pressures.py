@@ -109,7 +109,7 @@ def _exposed(
     points, areas = [np.empty((0, 3))], [np.empty(0)]
     for part in shapely.get_parts(region):
         if part.geom_type == "Polygon" and part.area > least:
-            flat, of = outline_nodes(part, math.inf, NodeLayout.LOBATTO)
+            flat, of = outline_nodes(part, math.inf, NodeLayout.LOBATTO)[:2]
             points.append(origin + flat @ axes)
             areas.append(of)
     return np.concatenate(points), np.concatenate(areas)

@@ -95,7 +95,11 @@ def structure(
     length = float(np.mean(free))
     opening = min((APART * row.locks.height for row in rows.values()), default=math.inf)
     return Assembly(
-        *(pieces, faces, of_faces, length), mesh=mesh, layout=nodes, most_opening=opening
+        *(pieces, faces, of_faces, length),
+        mesh=mesh,
+        layout=nodes,
+        most_opening=opening,
+        finite=True,
     )
 
 
@@ -121,12 +125,13 @@ def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]
 
 
 def refined(assembly: Assembly, divided: int = 2) -> Assembly:
-    """The structure on cells of half the size, or ``divided`` otherwise: for its mesh errors.
+    """The structure on cells of half the size, or ``divided`` otherwise, for an answer.
 
+    Pressure on dry faces is integrated, rather than concentrated at the nodes as in the engines.
     Of the structure of a file, not of a refined one: without a mesh, its cells are the interfaces.
     """
     faces = tuple(face for face in assembly.faces if isinstance(face, Polygon))
-    nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided)
+    nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided, pressed=True)
     return replace(assembly, nodes=nodes, mesh=assembly.mesh / divided)
 
 

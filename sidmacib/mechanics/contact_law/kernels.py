@@ -36,6 +36,28 @@ def node_force(normal, shear, friction, given, whole, d0, d1, d2):
 
 
 @compiled
+def slid_force(shear, cone, d1, d2):
+    """Shear forces (N) of a dry node with that friction limit, at d less its slip (m)."""
+    square = shear * shear * (d1 * d1 + d2 * d2)
+    share = shear if square <= cone * cone else shear * (cone / np.sqrt(square))
+    return share * d1, share * d2
+
+
+@compiled
+def slid_tangent(shear, friction, cone, d1, d2):
+    """Derivatives of `slid_force`.
+
+    Of both by the normal force (1), then by d (N/m): of the first, of it by d2, of the second.
+    """
+    square = d1 * d1 + d2 * d2
+    if shear * shear * square <= cone * cone:
+        return 0.0, 0.0, shear, 0.0, shear
+    over = 1.0 / np.sqrt(square)
+    x, y, across = over * d1, over * d2, over * cone
+    return friction * x, friction * y, across * y * y, -across * x * y, across * x * x
+
+
+@compiled
 def node_tangent(normal, shear, friction, given, whole, d0, d1, d2):
     """Derivatives (N/m) of `node_force`.
 

@@ -1,9 +1,19 @@
-"""Faces with contact nodes: the forces on the pieces, and their derivatives.
+"""Faces with contact nodes, where the pieces are: the forces on these, and their derivatives.
 
 The unknowns (m) are the displacements of the free pieces, so their number does not depend on the
 mesh, in the order that `sidmacib.mechanics.rigid.ordering` finds. A piece has three displacements
-of its centroid and three rotations, from ``ContactFaces.begin`` on. Rotations are multiplied by the
-assembly's length and moments divided by it: forces are in N and stiffnesses in N/m.
+of its centroid and the Gibbs vector of its rotation, 2 tan(theta / 2) along the axis, times the
+assembly's length, from ``ContactFaces.begin`` on. Moments are divided by the length: forces are in
+N and stiffnesses in N/m.
+
+Nothing is small: nodes, frames and arms are where the pieces have moved to. A face has its frame
+from one of its two pieces, whose side is flat there; its nodes are points of the other piece, which
+rest on that side. With R the rotation and c the centroid of a piece and F the frame,
+
+    x = c + R (X - C),   delta = F' (x_below - x_above),   force on the piece above: F s(delta)
+
+in both pieces at the point of the one that rests. The rate of delta is then the relative velocity
+of the two pieces at this point, so that forces do the work of the springs.
 """
 
 # mypy: allow-untyped-defs
@@ -14,27 +24,26 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.compilation import compiled
-from sidmacib.mechanics.contact_law.kernels import all_bonded, put_forces, put_tangents
+from sidmacib.mechanics.contact_law.kernels import put_forces, put_slip
+from sidmacib.mechanics.newton.pressed import put_pressed, put_pressed_forces, resists
+from sidmacib.mechanics.newton.vectors import cross, dot, norm, times, together
 
 
 class ContactFaces(NamedTuple):
     """Pieces and faces with their nodes, the same along a path.
 
-    The motion of a face, w, is the displacement of the piece below relative to the piece above, at
-    the face's middle: three translations along the face's normal and tangents and three rotations
-    about them. A node at place (p, q) of its face moves by delta = (w0 + q w4 - p w5,
-    w1 - q w3, w2 + p w3).
-
     ``law``: of the nodes, see `sidmacib.mechanics.contact_law.kernels`, (4, N). ``places``: p and q
-    of each along the tangents, from the face's middle, over the assembly's length, (2, N).
-    ``start``: first node of each face, then the number of nodes, (F + 1,). ``axes``: normal and
-    tangents of each face, (F, 3, 3). ``levers``: from the centroid of either piece to the face's
-    middle, over the length, (F, 2, 3). ``begin``: first unknown of the pieces below and above each
-    face, -1 for a fixed one, (F, 2).
-    ``bonded``: forces on the two pieces by the unknowns of either while all bonds of a face are
-    whole (N/m), see `whole_faces`, (F, 2, 2, 6, 6).
-    ``stiff``: whether nodes add up their own steps to equilibrium. If they follow from the pieces'
-    displacements, a stiff face between pieces that move far carries the rounding of a difference.
+    of each along the tangents, from the face's middle, in m, (2, N). ``start``: first node of each
+    face, then the number of nodes, (F + 1,). ``axes``: normal and tangents of each face as built,
+    (F, 3, 3). ``levers``: from the centroid of either piece to the face's middle, m, (F, 2, 3).
+    ``begin``: first unknown of the pieces below and above each face, -1 for a fixed one, (F, 2).
+    ``flat``: which of the two has the frame, (F,).
+    ``triangles``: nodes at their corners, (T, 3), their ``stiffness`` under pressure (N/m), (T,),
+    and the first of each face, then their number, (F + 1,): on a face that has some, pressure is
+    integrated over their pressed parts, see `put_pressed`. A face without has springs at its nodes.
+    ``whole``: stiffness (N/m) by a face's motion while all its bonds are whole, (F, 6, 6).
+    ``length``: of the assembly, m. ``finite``: whether frames and arms follow the pieces; if not,
+    displacements are small, and everything stays where it was built.
     The ``inner`` unknowns come first; those coupled by the stiffness are at most ``band`` apart.
     The ``outer`` unknowns follow and may be coupled to all others.
     """
@@ -45,323 +54,307 @@ class ContactFaces(NamedTuple):
     axes: Floats
     levers: Floats
     begin: Integers
-    bonded: Floats
-    stiff: bool
+    flat: Integers
+    triangles: Integers
+    stiffness: Floats
+    first_triangle: Integers
+    whole: Floats
+    length: float
+    finite: bool
     inner: int
     outer: int
     band: int
 
 
-class Point(NamedTuple):
-    """Displacements of the pieces, and what they make of the nodes.
+class Applied(NamedTuple):
+    """Loads on the free pieces, in the order of their unknowns.
 
-    ``place`` in m: the ``unknowns``, (U,), and behind them the displacements of the nodes,
-    ``moved``, (3, N); both share its memory. ``residual`` in N, what the nodes leave of the forces
-    on the pieces, (U,). ``force`` of the nodes in N, (3, N). ``tangent``: derivatives of
-    `node_tangent` in N/m for the nodes of one face at a time, (6, most nodes of a face).
+    ``wrench``: force and moment (N) as built, (U,). ``levers``: sums of arm times force (N) as
+    built, (U / 6, 3, 3), whose arms turn with the pieces.
     """
 
-    place: Floats
+    wrench: Floats
+    levers: Floats
+
+
+class Point(NamedTuple):
+    """Where the pieces are, and what that makes of the nodes.
+
+    ``unknowns`` in m, (U,). ``turn``: rotation less identity of each free piece, (U / 6, 3, 3).
+    ``apart``: displacement of the middle of each face (m), of the piece below relative to that
+    above, and its gradients along p and q, (F, 3, 3). ``frame``: normal and tangents of each face,
+    (F, 3, 3). ``arms``: from the centroids of both pieces to the middle on the flat one (m),
+    (F, 2, 3). ``moved``: displacements of the nodes in the frame (m), (3, N). ``force`` of the
+    nodes in N, (3, N). ``sums`` of these and of them times place, (F, 4, 3): the force, and three
+    rows of place by force. ``residual`` in N, what the nodes leave of the forces on the pieces,
+    (U,). ``pressed``: integrals over the pressed parts of triangles by nodes, and what these grow
+    by, see `put_pressed`, (6, N). ``tangent``:
+    derivatives of `node_tangent` in N/m for the nodes of one face at a time, (6, most nodes).
+    """
+
     unknowns: Floats
+    turn: Floats
+    apart: Floats
+    frame: Floats
+    arms: Floats
     moved: Floats
-    residual: Floats
     force: Floats
+    sums: Floats
+    residual: Floats
+    pressed: Floats
     tangent: Floats
 
 
 def new_point(size: int, start: Integers) -> Point:
     """A point of ``size`` unknowns, to be filled in; ``start``: see `ContactFaces`."""
-    most, count = int(np.diff(start).max()), int(start[-1])
-    place, shape = np.empty(size + 3 * count), (3, count)
-    moved = place[size:].reshape(shape)
-    return Point(place, place[:size], moved, np.empty(size), np.empty(shape), np.empty((6, most)))
-
-
-@compiled
-def norm(vector):
-    """Euclidean norm."""
-    square = 0.0
-    for value in vector:
-        square += value**2
-    return np.sqrt(square)
-
-
-@compiled
-def cross(one, other):
-    """Cross product of two triples."""
-    return (
-        one[1] * other[2] - one[2] * other[1],
-        one[2] * other[0] - one[0] * other[2],
-        one[0] * other[1] - one[1] * other[0],
+    most, count, faces = int(np.diff(start).max()), int(start[-1]), len(start) - 1
+    nodes = (3, count)
+    return Point(
+        unknowns=np.empty(size),
+        turn=np.empty((size // 6, 3, 3)),
+        apart=np.empty((faces, 3, 3)),
+        frame=np.empty((faces, 3, 3)),
+        arms=np.empty((faces, 2, 3)),
+        moved=np.empty(nodes),
+        force=np.empty(nodes),
+        sums=np.empty((faces, 4, 3)),
+        residual=np.empty(size),
+        pressed=np.zeros((6, count)),
+        tangent=np.empty((6, most)),
     )
 
 
 @compiled
-def face_motion(contacts, face, unknowns, w):
-    """Motion ``w`` (6,) of the middle of ``face``: of the piece below relative to that above."""
-    x = y = z = turn_x = turn_y = turn_z = 0.0
-    for side in range(2):
-        i = contacts.begin[face, side]
-        if i >= 0:
-            sign, lever = 1.0 - 2.0 * side, contacts.levers[face, side]
-            a, b, c = cross((unknowns[i + 3], unknowns[i + 4], unknowns[i + 5]), lever)
-            x += sign * (unknowns[i] + a)
-            y += sign * (unknowns[i + 1] + b)
-            z += sign * (unknowns[i + 2] + c)
-            turn_x += sign * unknowns[i + 3]
-            turn_y += sign * unknowns[i + 4]
-            turn_z += sign * unknowns[i + 5]
-    for k in range(3):
-        axis = contacts.axes[face, k]
-        w[k] = axis[0] * x + axis[1] * y + axis[2] * z
-        w[3 + k] = axis[0] * turn_x + axis[1] * turn_y + axis[2] * turn_z
+def put_turn(x, y, z, finite, turn):
+    """Put the rotation of the Gibbs vector (x, y, z), less identity, into ``turn``, (3, 3).
+
+    In rational numbers, so that it has the same digits on every processor. To first order if it is
+    not ``finite``.
+    """
+    share = 1.0 / (1.0 + (x * x + y * y + z * z) / 4.0) if finite else 1.0
+    half = share / 2.0 if finite else 0.0
+    turn[0, 0], turn[1, 1] = -half * (y * y + z * z), -half * (x * x + z * z)
+    turn[2, 2] = -half * (x * x + y * y)
+    turn[0, 1], turn[1, 0] = half * x * y - share * z, half * x * y + share * z
+    turn[0, 2], turn[2, 0] = half * x * z + share * y, half * x * z - share * y
+    turn[1, 2], turn[2, 1] = half * y * z - share * x, half * y * z + share * x
 
 
 @compiled
-def subtract_force(contacts, face, force, residual):
-    """Subtract force and moment (6,) of ``face`` from those on its two pieces in ``residual``."""
-    axes = contacts.axes[face]
-    x, y, z = together(axes, force[0], force[1], force[2])
-    turn_x, turn_y, turn_z = together(axes, force[3], force[4], force[5])
-    for side in range(2):
-        i = contacts.begin[face, side]
-        if i >= 0:
-            sign = 1.0 - 2.0 * side
-            a, b, c = cross(contacts.levers[face, side], (x, y, z))
-            residual[i] -= sign * x
-            residual[i + 1] -= sign * y
-            residual[i + 2] -= sign * z
-            residual[i + 3] -= sign * (turn_x + a)
-            residual[i + 4] -= sign * (turn_y + b)
-            residual[i + 5] -= sign * (turn_z + c)
+def gibbs(unknowns, piece, share):
+    """The Gibbs vector of a ``piece``, times ``share``."""
+    i = 6 * piece + 3
+    return share * unknowns[i], share * unknowns[i + 1], share * unknowns[i + 2]
 
 
 @compiled
-def together(axes, a, b, c):
-    """The sum of ``a``, ``b`` and ``c`` times the rows of ``axes``."""
-    return (
-        a * axes[0, 0] + b * axes[1, 0] + c * axes[2, 0],
-        a * axes[0, 1] + b * axes[1, 1] + c * axes[2, 1],
-        a * axes[0, 2] + b * axes[1, 2] + c * axes[2, 2],
-    )
-
-
-@compiled
-def move_nodes(contacts, place):
-    """Fill in the displacements of the nodes, which follow the unknowns in ``place`` (m)."""
-    w, size = np.empty(6), contacts.inner + contacts.outer
-    moved = place[size:].reshape((3, contacts.places.shape[1]))
+def put_pieces(contacts, here):
+    """Fill in rotations and the displacements of faces by the unknowns of ``here``."""
+    for piece in range(len(here.turn)):
+        x, y, z = gibbs(here.unknowns, piece, 1.0 / contacts.length)
+        put_turn(x, y, z, contacts.finite, here.turn[piece])
+    here.apart[:] = 0.0
     for face in range(len(contacts.begin)):
-        face_motion(contacts, face, place, w)
-        put_displacements(contacts, face, w, moved)
+        for side in range(2):
+            i = contacts.begin[face, side]
+            if i >= 0:
+                add_side(contacts, here, face, side, here.turn[i // 6], here.unknowns[i : i + 3])
+    put_nodes(contacts, here)
 
 
 @compiled
-def put_displacements(contacts, face, w, moved):
-    """Fill in the displacements (m) of the nodes of ``face``, which moves by ``w``, (6,)."""
-    here = slice(contacts.start[face], contacts.start[face + 1])
-    p, q = contacts.places[0, here], contacts.places[1, here]
-    d0, d1, d2 = moved[0, here], moved[1, here], moved[2, here]
-    x, y, z, turn_x, turn_y, turn_z = w[0], w[1], w[2], w[3], w[4], w[5]
-    for n in range(len(p)):
-        d0[n] = x + q[n] * turn_y - p[n] * turn_z
-        d1[n] = y - q[n] * turn_x
-        d2[n] = z + p[n] * turn_x
+def add_side(contacts, here, face, side, turn, shift):
+    """Add a piece's ``turn`` and ``shift`` (m) to the displacements of a ``face``."""
+    sign, axes, apart = 1.0 - 2.0 * side, contacts.axes[face], here.apart[face]
+    for row, arm in enumerate((contacts.levers[face, side], axes[1], axes[2])):
+        moved = times(turn, arm)
+        for k in range(3):
+            apart[row, k] += sign * moved[k]
+    for k in range(3):
+        apart[0, k] += sign * shift[k]
+
+
+@compiled
+def advance(contacts, here, start, step, share):
+    """Put ``here`` a ``share`` of ``step`` (m) after ``start``, rotations after rotations.
+
+    Faces add up what is between the pieces from step to step: it would drown in the rounding of a
+    difference where pieces that move far have a stiff face between them.
+    """
+    move = np.empty((len(here.turn), 3, 3))
+    for piece in range(len(here.turn)):
+        i = 6 * piece
+        a, b, c = gibbs(step, piece, share / contacts.length)
+        x, y, z = gibbs(start.unknowns, piece, 1.0 / contacts.length)
+        put_turn(a, b, c, contacts.finite, move[piece])
+        over, u, v, w = 1.0, 0.0, 0.0, 0.0
+        if contacts.finite:
+            over = 1.0 / (1.0 - (a * x + b * y + c * z) / 4.0)
+            u, v, w = cross((a, b, c), (x, y, z))
+        here.unknowns[i + 3] = contacts.length * (over * (a + x + u / 2.0))
+        here.unknowns[i + 4] = contacts.length * (over * (b + y + v / 2.0))
+        here.unknowns[i + 5] = contacts.length * (over * (c + z + w / 2.0))
+        for k in range(3):
+            here.unknowns[i + k] = start.unknowns[i + k] + share * step[i + k]
+        # The rotation of this step times those before it, all less identity.
+        for k in range(3):
+            column = start.turn[piece, 0, k], start.turn[piece, 1, k], start.turn[piece, 2, k]
+            moved = times(move[piece], column) if contacts.finite else (0.0, 0.0, 0.0)
+            for j in range(3):
+                here.turn[piece, j, k] = column[j] + move[piece, j, k] + moved[j]
+    here.apart[:] = start.apart
+    for face in range(len(contacts.begin)):
+        for side in range(2):
+            i = contacts.begin[face, side]
+            if i >= 0:
+                add_step(contacts, here, start, face, side, move[i // 6])
+                for k in range(3):
+                    here.apart[face, 0, k] += (1.0 - 2.0 * side) * share * step[i + k]
+    put_nodes(contacts, here)
+
+
+@compiled
+def add_step(contacts, here, start, face, side, move):
+    """Add a rotation ``move`` of a piece, less identity, after ``start``, to those of a face."""
+    sign, axes, apart = 1.0 - 2.0 * side, contacts.axes[face], here.apart[face]
+    before = start.turn[contacts.begin[face, side] // 6]
+    for row, arm in enumerate((contacts.levers[face, side], axes[1], axes[2])):
+        turned = times(before, arm) if contacts.finite else (0.0, 0.0, 0.0)
+        moved = times(move, (arm[0] + turned[0], arm[1] + turned[1], arm[2] + turned[2]))
+        for k in range(3):
+            apart[row, k] += sign * moved[k]
+
+
+@compiled
+def put_nodes(contacts, here):
+    """Fill in frames, arms and displacements of the nodes."""
+    for face in range(len(contacts.begin)):
+        flat, frame, apart = contacts.flat[face], here.frame[face], here.apart[face]
+        for k in range(3):
+            frame[k] = contacts.axes[face, k]
+        for side in range(2):
+            here.arms[face, side] = contacts.levers[face, side]
+            i = contacts.begin[face, side]
+            if i < 0 or not contacts.finite:
+                continue
+            turn, lever = here.turn[i // 6], contacts.levers[face, side]
+            moved = times(turn, lever)
+            for j in range(3):
+                here.arms[face, side, j] += moved[j]
+            if side == flat:
+                for k in range(3):
+                    turned = times(turn, contacts.axes[face, k])
+                    for j in range(3):
+                        frame[k, j] += turned[j]
+        for j in range(3 * contacts.finite):  # of the other piece: to the middle on the flat one
+            here.arms[face, 1 - flat, j] += (1.0 - 2.0 * flat) * apart[0, j]
+        put_displacements(contacts, face, here)
+
+
+@compiled
+def put_displacements(contacts, face, here):
+    """Fill in the displacements (m) of the nodes of ``face``."""
+    inside = slice(contacts.start[face], contacts.start[face + 1])
+    p, q, frame, apart = (
+        contacts.places[0, inside],
+        contacts.places[1, inside],
+        here.frame[face],
+        here.apart[face],
+    )
+    for k in range(3):
+        axis, moved = frame[k], here.moved[k, inside]
+        base = dot(apart[0], axis)
+        by_p, by_q = dot(apart[1], axis), dot(apart[2], axis)
+        for n in range(len(p)):
+            moved[n] = base + p[n] * by_p + q[n] * by_q
 
 
 @compiled
 def unbalanced(contacts, slip, whole, target, here):
-    """Fill in forces and residual of ``here`` at its place, for ``target`` (N) on the pieces.
+    """Fill in forces and residual of ``here`` at its place, for the loads ``target``, `Applied`.
 
     Returns the norm of the residual (N).
     """
-    on_face = np.empty(6)
-    for i, value in enumerate(target):
+    for i, value in enumerate(target.wrench):
         here.residual[i] = value
+    for piece in range(len(here.turn)):
+        add_turned(
+            target.levers[piece], here.turn[piece], 6 * piece + 3, contacts.length, here.residual
+        )
     put_forces(contacts.law, slip, whole, here.moved, here.force)
     for face in range(len(contacts.begin)):
-        resultant(contacts, face, here.force, on_face)
-        subtract_force(contacts, face, on_face, here.residual)
+        if contacts.first_triangle[face + 1] > contacts.first_triangle[face]:
+            put_pressed(contacts, face, here)
+            put_pressed_forces(contacts, face, slip, here)
+        resultant(contacts, face, here)
+        subtract_force(contacts, face, here)
     return norm(here.residual)
 
 
 @compiled
-def resultant(contacts, face, force, on_face):
-    """Put force and moment about the middle of ``face`` into ``on_face``, (6,)."""
-    p_of, q_of = contacts.places[0], contacts.places[1]
-    x = y = z = about_x = about_y = about_z = 0.0
-    for node in range(contacts.start[face], contacts.start[face + 1]):
-        p, q = p_of[node], q_of[node]
-        f0, f1, f2 = force[0, node], force[1, node], force[2, node]
-        x += f0
-        y += f1
-        z += f2
-        about_x += p * f2 - q * f1
-        about_y += q * f0
-        about_z -= p * f0
-    put(on_face, x, y, z, about_x, about_y, about_z)
+def add_turned(levers, turn, row, length, forces):
+    """Add what a ``turn``, less identity, changes of the moments of forces with ``levers`` (N)."""
+    if not levers.any():
+        return
+    for k in range(3):  # of the moment: places with the others in cyclic order
+        i, j = (k + 1) % 3, (k + 2) % 3
+        moment = 0.0
+        for m in range(3):
+            moment += turn[i, m] * levers[m, j] - turn[j, m] * levers[m, i]
+        forces[row + k] += moment / length
 
 
 @compiled
-def face_stiffness(contacts, face, tangent, k):
-    """Put the derivative of the face's forces by its motion into ``k``, (6, 6).
+def resultant(contacts, face, here):
+    """Fill in ``here.sums`` of a face: the force, and the sums of place (rows) times force (N m).
 
-    ``tangent``: of its nodes, see `put_tangents`. Returns whether any of them resists.
+    Places are those of the nodes from the middle on the flat side, in the frame.
     """
-    # Sums over nodes, also times p and q: normal forces by normal displacements, shear forces by
-    # normal displacements where nodes slide, shear forces by shear. Turns are about the normal.
-    n = n_p = n_q = n_pp = n_pq = n_qq = 0.0
-    y = y_p = y_q = z = z_p = z_q = turn = turn_p = turn_q = 0.0
-    yy = yz = zz = y_turn = z_turn = turns = 0.0
-    first = contacts.start[face]
-    for node in range(first, contacts.start[face + 1]):
-        p, q, i = contacts.places[0, node], contacts.places[1, node], node - first
-        t00, t10, t20 = tangent[0, i], tangent[1, i], tangent[2, i]
-        t11, t12, t22 = tangent[3, i], tangent[4, i], tangent[5, i]
-        if t00 == 0.0 and t11 == 0.0 and t22 == 0.0:  # open
-            continue
-        n += t00
-        n_p += p * t00
-        n_q += q * t00
-        n_pp += p * p * t00
-        n_pq += p * q * t00
-        n_qq += q * q * t00
-        if t10 != 0.0 or t20 != 0.0:
-            t30 = p * t20 - q * t10
-            y += t10
-            y_p += p * t10
-            y_q += q * t10
-            z += t20
-            z_p += p * t20
-            z_q += q * t20
-            turn += t30
-            turn_p += p * t30
-            turn_q += q * t30
-        t13, t23 = p * t12 - q * t11, p * t22 - q * t12
-        yy += t11
-        yz += t12
-        zz += t22
-        y_turn += t13
-        z_turn += t23
-        turns += p * t23 - q * t13
-    put(k[0], n, 0.0, 0.0, 0.0, n_q, -n_p)
-    put(k[1], y, yy, yz, y_turn, y_q, -y_p)
-    put(k[2], z, yz, zz, z_turn, z_q, -z_p)
-    put(k[3], turn, y_turn, z_turn, turns, turn_q, -turn_p)
-    put(k[4], n_q, 0.0, 0.0, 0.0, n_qq, -n_pq)
-    put(k[5], -n_p, 0.0, 0.0, 0.0, -n_pq, n_pp)
-    return n > 0.0 or yy > 0.0 or zz > 0.0
+    sums, force = here.sums[face], here.force
+    # A node is at its place, and moved this way from it.
+    away = contacts.finite * (2.0 * contacts.flat[face] - 1.0)
+    for k in range(3):
+        whole = by_p = by_q = 0.0
+        for node in range(contacts.start[face], contacts.start[face + 1]):
+            whole += force[k, node]
+            by_p += contacts.places[0, node] * force[k, node]
+            by_q += contacts.places[1, node] * force[k, node]
+        sums[0, k], sums[1, k] = whole, 0.0
+        sums[2, k], sums[3, k] = by_p, by_q
+        for j in range(3):
+            axis = here.frame[face, j]
+            moved = dot(here.apart[face, 0], axis) * whole
+            moved += dot(here.apart[face, 1], axis) * by_p + dot(here.apart[face, 2], axis) * by_q
+            sums[1 + j, k] += away * moved
 
 
 @compiled
-def put(row, a, b, c, d, e, f):
-    """Fill a ``row`` of six numbers."""
-    row[0], row[1], row[2], row[3], row[4], row[5] = a, b, c, d, e, f
+def subtract_force(contacts, face, here):
+    """Add the force of ``face`` on the piece above to ``here.residual``, subtract it from below."""
+    frame, sums, residual = here.frame[face], here.sums[face], here.residual
+    force = together(frame, sums[0, 0], sums[0, 1], sums[0, 2])
+    turn = together(
+        frame, sums[2, 2] - sums[3, 1], sums[3, 0] - sums[1, 2], sums[1, 1] - sums[2, 0]
+    )
+    for side in range(2):
+        i = contacts.begin[face, side]
+        if i >= 0:
+            sign = 1.0 - 2.0 * side
+            moment = cross(here.arms[face, side], force)
+            for k in range(3):
+                residual[i + k] -= sign * force[k]
+                residual[i + 3 + k] -= sign * (turn[k] + moment[k]) / contacts.length
 
 
 @compiled
-def tangent_stiffness(contacts, slip, whole, here, floor, matrix):
-    """Put the derivative of the nodes' forces on the pieces into ``matrix``.
-
-    ``here``: where, by its place. ``floor`` (N/m) is added to the diagonal: it keeps pieces that
-    nothing holds during an iteration from flying off, and changes no equilibrium.
-    """
-    k, blocks = np.empty((6, 6)), np.empty((2, 2, 6, 6))
-    matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
-    matrix.band[:, contacts.band] = floor
-    for i in range(contacts.outer):
-        matrix.below[i, contacts.inner + i] = floor
+def put_slips(contacts, slip, whole, here, after):
+    """`put_slip` of all nodes, also on faces with triangles."""
+    put_slip(contacts.law, slip, whole, here.moved, here.force, after)
     for face in range(len(contacts.begin)):
-        if is_whole(contacts, face, whole):
-            add_face(contacts, matrix, face, contacts.bonded[face])
+        if contacts.first_triangle[face + 1] == contacts.first_triangle[face]:
             continue
-        first, last = contacts.start[face], contacts.start[face + 1]
-        put_tangents(contacts.law, first, last, slip, whole, here.moved, here.tangent)
-        if face_stiffness(contacts, face, here.tangent, k):
-            by_pieces(contacts, face, k, blocks)
-            add_face(contacts, matrix, face, blocks)
-
-
-@compiled
-def is_whole(contacts, face, whole):
-    """Whether all bonds of ``face`` are whole: its stiffness then does not depend on its motion."""
-    for node in range(contacts.start[face], contacts.start[face + 1]):  # noqa: SIM110 (compiled)
-        if whole[node] != 1.0:
-            return False
-    return True
-
-
-@compiled
-def whole_faces(contacts, here):
-    """Put the stiffness of each face with all bonds whole into ``contacts.bonded``.
-
-    ``here``: a point, which is overwritten.
-    """
-    k = np.empty((6, 6))
-    slip, whole = all_bonded(contacts.places.shape[1])
-    here.place[:] = 0.0
-    for face in range(len(contacts.begin)):
-        first, last = contacts.start[face], contacts.start[face + 1]
-        put_tangents(contacts.law, first, last, slip, whole, here.moved, here.tangent)
-        face_stiffness(contacts, face, here.tangent, k)
-        by_pieces(contacts, face, k, contacts.bonded[face])
-
-
-@compiled
-def by_pieces(contacts, face, k, blocks):
-    """Turn the stiffness ``k`` by the face's motion into ``blocks`` by the two pieces' unknowns."""
-    axes, rows, columns = contacts.axes[face], np.empty((6, 6)), np.empty((6, 6))
-    for i in range(6):
-        rows[i, 0], rows[i, 1], rows[i, 2] = together(axes, k[i, 0], k[i, 1], k[i, 2])
-        rows[i, 3], rows[i, 4], rows[i, 5] = together(axes, k[i, 3], k[i, 4], k[i, 5])
-    for j in range(6):
-        columns[0, j], columns[1, j], columns[2, j] = together(
-            axes, rows[0, j], rows[1, j], rows[2, j]
-        )
-        columns[3, j], columns[4, j], columns[5, j] = together(
-            axes, rows[3, j], rows[4, j], rows[5, j]
-        )
-    for right in range(2):
-        if contacts.begin[face, right] >= 0:
-            moved, lever = rows, contacts.levers[face, right]
-            for i in range(6):
-                a, b, c = cross(lever, (columns[i, 0], columns[i, 1], columns[i, 2]))
-                moved[i, 0], moved[i, 1], moved[i, 2] = columns[i, 0], columns[i, 1], columns[i, 2]
-                moved[i, 3], moved[i, 4] = columns[i, 3] + a, columns[i, 4] + b
-                moved[i, 5] = columns[i, 5] + c
-            for left in range(2):
-                if contacts.begin[face, left] >= 0:
-                    sign, block = 1.0 if left == right else -1.0, blocks[left, right]
-                    lever = contacts.levers[face, left]
-                    for j in range(6):
-                        a, b, c = cross(lever, (moved[0, j], moved[1, j], moved[2, j]))
-                        block[0, j], block[1, j] = sign * moved[0, j], sign * moved[1, j]
-                        block[2, j], block[3, j] = sign * moved[2, j], sign * (moved[3, j] + a)
-                        block[4, j] = sign * (moved[4, j] + b)
-                        block[5, j] = sign * (moved[5, j] + c)
-
-
-@compiled
-def add_face(contacts, matrix, face, blocks):
-    """Add ``blocks`` of the pieces below and above ``face``, (2, 2, 6, 6), to ``matrix``."""
-    inner, band, border, below = contacts.inner, matrix.band, matrix.right, matrix.below
-    for left in range(2):
-        row = contacts.begin[face, left]
-        for right in range(2):
-            column = contacts.begin[face, right]
-            if row < 0 or column < 0:
-                continue
-            # A loop each, not one with a choice inside: several times faster.
-            if row >= inner:
-                for i in range(6):
-                    for j in range(6):
-                        below[row - inner + i, column + j] += blocks[left, right, i, j]
-            elif column >= inner:
-                for i in range(6):
-                    for j in range(6):
-                        border[row + i, column - inner + j] += blocks[left, right, i, j]
-            else:
-                first = contacts.band + column - row
-                for i in range(6):
-                    for j in range(6):
-                        band[row + i, first - i + j] += blocks[left, right, i, j]
+        for node in range(contacts.start[face], contacts.start[face + 1]):
+            shear = resists(contacts.law, here.pressed, node)
+            for k in range(2):
+                held = here.force[1 + k, node] / shear if shear > 0.0 else 0.0
+                after[k, node] = here.moved[1 + k, node] - held

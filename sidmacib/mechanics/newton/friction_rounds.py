@@ -8,9 +8,9 @@ the last one. In each round Newton's method on the full problem tries to finish:
 obeys the same contact law as any other.
 
 If the pieces are not held even by limits that are never reached, there is no equilibrium. The
-search also ends if the limits of some rounds in a row do not hold them: the pieces move away. With
-many pieces, rounds take long and may wander from one such state to another without end. They are
-then given up: whether there is an equilibrium remains open.
+search also ends if the limits of some rounds in a row do not hold them: the pieces move away.
+
+Of pieces at small displacements; see `sidmacib.mechanics.newton.drift` for others.
 """
 
 import math
@@ -18,44 +18,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.errors import UnsettledError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law.kernels import FRICTION, GIVEN
-from sidmacib.mechanics.newton import (
-    QUICK,
-    Matrix,
-    allowed_at,
-    least_energy,
-    newton,
-    product,
-    put_at,
-)
-from sidmacib.mechanics.newton.faces import ContactFaces, Point
+from sidmacib.mechanics.newton import QUICK, newton, put_at
+from sidmacib.mechanics.newton.faces import Applied, ContactFaces, Point
+from sidmacib.mechanics.newton.least_energy import allowed_at, least_energy, product
+from sidmacib.mechanics.newton.linear import Matrix
 
 FRICTION_ROUNDS = 300  # of friction limits, at most
-MANY = 600  # unknowns, of 100 pieces: with more
-ROUNDS_OF_MANY = 20  # are given up after these rounds
 LIMIT_SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
 IN_A_ROW = 6  # rounds without equilibrium that end the search
-UNSETTLED = (
-    f"friction does not settle in {ROUNDS_OF_MANY} rounds, as may happen with more than "
-    f"{MANY // 6} blocks"
-)
 
 
 @dataclass(frozen=True)
 class EquilibriumSearch:
     """The problem whose equilibrium is sought, see `sidmacib.mechanics.newton.newton`.
 
-    ``target`` (U,) in N; ``slip`` (2, N) in m and ``whole`` (N,) of the nodes; ``stiffness`` of the
-    stiffest face and ``floor`` in N/m; ``allowed``: norm of unbalanced forces, N; ``farthest``: a
-    piece that moves further in one round (m) moves away.
+    ``target``: the loads; ``slip`` (2, N) in m and ``whole`` (N,) of the nodes; ``stiffness`` of
+    the stiffest face and ``floor`` in N/m; ``allowed``: norm of unbalanced forces, N;
+    ``farthest``: a piece that moves further in one round (m) moves away.
     """
 
     contacts: ContactFaces
     matrix: Matrix
     here: Point
-    target: Floats
+    target: Applied
     slip: Floats
     whole: Floats
     stiffness: float
@@ -95,7 +82,6 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
 
     It is then ``problem.here``. The first rounds start with the limits of the guess, to find an
     equilibrium nearby; if they fail, other rounds start with limits that are never reached.
-    `UnsettledError` where rounds of `MANY` unknowns decide nothing.
     """
     here = problem.here
     rubs = (problem.whole == 0.0) & (problem.contacts.law[FRICTION] > 0.0)
@@ -114,8 +100,7 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
 def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> bool:
     """Rounds from ``unknowns``, the first of them with ``limits`` (N); see `by_rounds`."""
     lost, share, last = 0, 1.0, np.zeros_like(limits)  # rounds without equilibrium, in a row
-    many = len(unknowns) > MANY
-    for number in range(ROUNDS_OF_MANY if many else FRICTION_ROUNDS):
+    for number in range(FRICTION_ROUNDS):
         holds = problem.with_given_limits(unknowns, limits)
         unknowns, next_limits = problem.here.unknowns.copy(), problem.limits
         if problem.equilibrium_from(unknowns):
@@ -130,6 +115,4 @@ def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> boo
                 min(2.0 * share, LIMIT_SHARES[1]) if onward else max(share / 2.0, LIMIT_SHARES[0])
             )
         limits, last = np.maximum(limits + share * change, 0.0), change
-    if many:
-        raise UnsettledError(UNSETTLED)
     return False

@@ -3,9 +3,10 @@
 The load rises in increments, so that friction has its history. When a node reaches its strength it
 loses all of it at once, together with the nodes that fail at the same load, and a new equilibrium
 is sought at that load; if there is none, the load is the peak. A solver finds the equilibria: one
-for rigid pieces, one for elastic pieces. Equilibria in which a piece has turned by more than 2
-degrees where bonds have failed do not count: forces are balanced where pieces were built. Before,
-locks may not come apart by more than a share of their height.
+for rigid pieces, one for elastic pieces. In structures of rigid blocks forces balance where these
+have moved to; in joints and elastic blocks where they were built. Equilibria in which a piece has
+turned by more than 2 degrees where bonds have failed do not count, as it may meet others there.
+Before, locks may not come apart by more than a share of their height.
 
 Pieces may also move away while all bonds are whole. To see how, the model pushes them slightly
 beyond the peak, against drag. If that lifts them against the permanent loads they rock; otherwise
@@ -13,19 +14,17 @@ they slide, as sliding along plane faces lifts nothing.
 """
 
 import importlib
-import math
 from dataclasses import replace
 
 import numpy as np
 
-from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError, UnsettledError
+from sidmacib.errors import NoEquilibriumError, NoStiffnessError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import compliance
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import (
-    LEAST_INCREMENT,
     Equilibrium,
     FirstFailure,
     Mode,
@@ -33,18 +32,23 @@ from sidmacib.mechanics.solution import (
     Solver,
     StaticSolution,
 )
+from sidmacib.mechanics.static.path import (
+    DEEP,
+    INCREMENT,
+    LEAST_LOAD,
+    MOST_LOAD,
+    guess_at,
+    raised,
+    redistributed,
+)
 from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
 from sidmacib.validation import require_positive
 
-INCREMENT = 0.1  # largest load increment over the loads' scale,
-GROWTH = 0.01  # or over the load where that is more
 FEWEST = 8.0  # increments to the end of a path that is compared: a few agree by chance
 LEAST_REFINEMENT = 1 / 64  # the least factor on these increments
 # Change of the end of a path when increments are halved, over the load: converged. Where bonds
 # fail, and where the joint slides or rocks, which depends more on the history of friction.
 HISTORY, MOTION = 1e-3, 2.5e-4
-LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
-MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
 SOFTENING_INCREMENT = 0.02  # largest load increment of softening bonds, over the first failure
 SOFTENING_GROWTH = 1e-3  # over the load: at least so much, as long as none had to be halved
 LEAST_SOFTENING_INCREMENT = 1e-4  # over the load: precision of their peak
@@ -55,16 +59,15 @@ MOST_ROTATION, TURNED = 0.035, 2.0
 BEYOND = 0.01  # over the peak: excess of the load at which the motion of the pieces is seen
 LIFT = 1e-3  # least fraction of the motion that counts as lifting; rounding and elasticity: 1e-5
 NEARLY = 0.99  # of the largest opening: where a path ends that it limits
-TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
 
 
 def solver_of(assembly: Assembly, loads: Loads) -> Solver:
     """The solver for ``assembly``: the one for elastic pieces if any free piece is elastic.
 
-    `CapacityError` for contact points in place of locks, which have no stiffness.
+    `NoStiffnessError` for contact points in place of locks.
     """
     if reason := assembly.without_stiffness:
-        raise CapacityError(reason)
+        raise NoStiffnessError(reason)
     if assembly.elastic:
         # Imported here: finite elements take longer to import than most joints to solve.
         elastic = importlib.import_module("sidmacib.mechanics.elastic")
@@ -92,7 +95,7 @@ def first_failure_of(solver: Solver, increment: float | None = None) -> FirstFai
     else:
         require_positive(increment=increment)
         limited = SmallMotions(solver, opening=solver.most_opening)
-        path, failing = _raised(limited, [solver.start()], increment / INCREMENT)
+        path, failing = raised(limited, [solver.start()], increment / INCREMENT)
     mode = Mode.BONDS if failing.any() else _motion(solver, path[-1])
     return FirstFailure(path[-1], failing, mode, increment)
 
@@ -124,7 +127,7 @@ def another_peak(solver: Solver, searches: Solver, other: StaticSolution) -> Sta
     its peak is no lower. Errors of `brittle_path`.
     """
     last = next(i for i, at in enumerate(other.path) if at.load >= other.first_failure_load)
-    path, failing = _raised(searches, [*other.path[: last + 1]], other.refinement)
+    path, failing = raised(searches, [*other.path[: last + 1]], other.refinement)
     found, end = _after_first_failure(searches, path, failing, other.refinement, other)
     return _with_motion(solver, replace(found, first_failure_load=other.first_failure_load), end)
 
@@ -160,11 +163,11 @@ def _after_first_failure(
     near = _small_motions(solver, path[-1])
     while failing.any():
         thorough = other is None or path[-1].load < other.peak.load * (1.0 - HISTORY)
-        after = _redistributed(near, path[-1], failing, thorough=thorough)
+        after = redistributed(near, path[-1], failing, thorough=thorough)
         if after is None:
             mode = Mode.BONDS
             break
-        path, failing = _raised(near, [*path, after], refinement)
+        path, failing = raised(near, [*path, after], refinement)
     to_peak = path[: int(np.argmax([point.load for point in path])) + 1]
     turns = near.exceeded and mode is not Mode.BONDS
     return StaticSolution(first_failure, tuple(to_peak), mode, refinement, turns=turns), path[-1]
@@ -192,7 +195,9 @@ def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolutio
             raise UnboundedError(f"no peak up to {low.load:g} N: the load can grow without limit")
         load = low.load + increment
         try:
-            point = softened_equilibrium(near, softening, load, _guess(load, path, None), low.state)
+            point = softened_equilibrium(
+                near, softening, load, guess_at(load, path, None), low.state
+            )
         except NoEquilibriumError:
             increment, halved = increment / 2, True
             continue
@@ -211,6 +216,8 @@ def _motion(solver: Solver, point: Equilibrium) -> Mode:
     whole = np.array_equal(point.state.whole, solver.contact_law.cohesive)
     if whole and point.opening > NEARLY * solver.most_opening:
         return Mode.APART
+    if solver.finite and point.closing >= DEEP * solver.size:
+        return Mode.PRESSED
     load = point.load + BEYOND * max(point.load, LEAST_LOAD * solver.scale)
     return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
 
@@ -228,16 +235,16 @@ def _to_first_failure(solver: Solver) -> tuple[list[Equilibrium], Flags, float]:
     """
     start, refinement = solver.start(), 1.0
     solver = SmallMotions(solver, opening=solver.most_opening)
-    path, failing = _raised(solver, [start])
+    path, failing = raised(solver, [start])
     if not any(point.state.slip.any() for point in path):
         return path, failing, refinement
     coarser: list[Equilibrium] = []
     while refinement > LEAST_REFINEMENT:
         if refinement * INCREMENT * solver.scale * FEWEST <= path[-1].load:
-            coarser = coarser or _raised(solver, [start], 2.0)[0]
+            coarser = coarser or raised(solver, [start], 2.0)[0]
             if not _doubted(solver, coarser, path, bonds=bool(failing.any())):
                 break
-        finer, finer_failing = _raised(solver, [start], refinement / 2)
+        finer, finer_failing = raised(solver, [start], refinement / 2)
         if failing.any() and not finer_failing.any():
             break
         coarser, path, failing, refinement = path, finer, finer_failing, refinement / 2
@@ -267,91 +274,3 @@ def _profile(solver: Solver, path: list[Equilibrium]) -> tuple[Floats, Floats]:
     """Loads (N) along ``path``, and the largest utilisation at each, both (P,)."""
     used = [utilisation(solver.contact_law, point.state, point.force).max() for point in path]
     return np.array([point.load for point in path]), np.array(used)
-
-
-def _raised(
-    solver: Solver, path: list[Equilibrium], refinement: float = 1.0
-) -> tuple[list[Equilibrium], Flags]:
-    """Raise the load from the last equilibrium of ``path`` until nodes are about to fail.
-
-    Increments are fractions of the scale of the loads; ``refinement``: a factor on them. Returns
-    the path to there and the nodes that fail: none if the load cannot rise further. The increment
-    is halved where no equilibrium is found, as Newton's method may fail from afar and converge from
-    nearby, and doubled again where one is. If it becomes too small, the solver is thorough from
-    there on; a load at which it then fails is not reached again.
-    """
-    scale = solver.scale
-
-    def utilisation_at(point: Equilibrium) -> Floats:
-        return utilisation(solver.contact_law, point.state, point.force)
-
-    def least(load: float) -> float:
-        return solver.precision * max(load, LEAST_LOAD * scale)
-
-    path, increment, thorough = list(path), refinement * INCREMENT * scale, False
-    used = utilisation_at(path[-1])
-    above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
-    used_above = used
-    lost = math.inf  # the least load at which the thorough solver found no equilibrium
-    while path[-1].load <= MOST_LOAD * scale:
-        low, most = path[-1], used.max()
-        if most >= 1.0 - LEAST_INCREMENT:
-            return path, used >= most * (1.0 - TOGETHER)
-        if above and above.load - low.load <= least(above.load):
-            return path, used_above >= 1.0
-        increment = min(increment, (lost - low.load) / 2)
-        if increment <= least(low.load + increment):
-            if thorough:
-                return path, np.zeros(len(low.force), bool)
-            thorough = True
-        load = low.load + increment
-        if above:  # where the utilisation, which is almost linear, is just below 1
-            most_above = used_above.max()
-            share = (1.0 - most) / (most_above - most) if np.isfinite(most_above) else 0.5
-            near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
-            load = min(load, max(near, low.load + least(above.load) / 2))
-        try:
-            point = solver.solve(load, _guess(load, path, above), low.state, thorough=thorough)
-        except NoEquilibriumError:
-            increment = (load - low.load) / 2
-            lost = load if thorough else lost
-            continue
-        except UnsettledError as error:
-            error.load = low.load
-            raise
-        used_here = utilisation_at(point)
-        if used_here.max() > 1.0:
-            above, used_above = point, used_here
-        else:
-            path.append(point)
-            used = used_here
-            increment = min(2 * increment, refinement * max(INCREMENT * scale, GROWTH * load))
-    raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
-
-
-def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:
-    """Unknowns at ``load``, on a line through the two nearest equilibria."""
-    low = path[-1]
-    other = above or (path[-2] if len(path) > 1 else low)
-    if other.load == low.load:
-        return low.unknowns
-    onward = (load - low.load) / (other.load - low.load)
-    return low.unknowns + onward * (other.unknowns - low.unknowns)
-
-
-def _redistributed(
-    solver: Solver, point: Equilibrium, failing: Flags, *, thorough: bool
-) -> Equilibrium | None:
-    """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
-
-    None if there is none.
-    """
-    state = point.state
-    while failing.any():
-        state = replace(state, whole=np.where(failing, 0.0, state.whole))
-        try:
-            after = solver.solve(point.load, point.unknowns, state, thorough=thorough)
-        except NoEquilibriumError:
-            return None
-        failing = utilisation(solver.contact_law, state, after.force) > 1.0
-    return after

@@ -32,7 +32,7 @@ from scipy.sparse import csr_array, vstack
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.crushing import crushed_faces
-from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium import free_rows, moments_of, row_units
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.structure.analysis.contacts import (
@@ -218,7 +218,7 @@ class Kinematics:
         """Permanent forces and moments on the pieces, (P, 6), which act where these have moved."""
         always = self.loads.permanent.copy()
         if isinstance(self.loads, StructureLoads):
-            always[:, 3:] = self.loads.turned_moments(placed.turn)
+            always[:, 3:] = moments_of(placed.turn @ self.loads.beside.levers)
         return always
 
     def _freedoms(self, placed: Placement) -> tuple[csr_array, Floats, Floats, Floats, float]:

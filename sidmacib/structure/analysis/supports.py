@@ -7,7 +7,7 @@ mechanism that follows the support. Its blocks are then followed as they move, s
 `sidmacib.structure.analysis.kinematics`, until no forces balance their weight. Joints are rigid and
 dry.
 
-In the static model, at small displacements, the support becomes a free piece on a spring much
+In the static model the support becomes a free piece on a spring much
 stiffer than the joints, to ground, and the force that moves the spring by as much is the load. The
 path follows the history of friction.
 """
@@ -299,7 +299,7 @@ def _static(assembly: Assembly, loads: SupportMotion, least: float) -> Iterator[
         yield SupportAnswer("static", None, None, " ".join(str(error).split()))
         return
     rest, last = (_clean(each, loads) for each in (reaction[0], reaction[-1]))
-    yield SupportAnswer("static, at rest", rest, 0.0, "elastic joints; small displacements")
+    yield SupportAnswer("static, at rest", rest, 0.0, "elastic joints")
     ends = "the reaction has dropped to the least"
     if not _dropped(reaction[-1], reaction[0], least):
         ends = "followed to here; then no equilibrium is found, or displacements are large"

@@ -19,13 +19,14 @@ from enum import StrEnum
 
 import numpy as np
 
-from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnboundedError
+from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError, NoStiffnessError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, rotated
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches
-from sidmacib.mechanics.static import INCREMENT, brittle_path
+from sidmacib.mechanics.static import brittle_path
+from sidmacib.mechanics.static.path import INCREMENT
 from sidmacib.structure.loads import Permanent, beside_of, free_weight, permanent_only
 
 LARGEST = 180.0  # degrees
@@ -115,11 +116,11 @@ def static_tilt(assembly: Assembly, loads: Loads) -> StaticTilt:
     ``loads``: by `tilting`.
     Accurate to 1e-4 of the angle for the path with friction that the increments follow; these are
     halved until the first failure converges. `NoEquilibriumError` if the assembly does not stand
-    upright, `UnboundedError` if it is in equilibrium up to 180 degrees, `CapacityError` for contact
-    points in place of locks.
+    upright, `UnboundedError` if it is in equilibrium up to 180 degrees, `NoStiffnessError` for
+    contact points in place of locks.
     """
     if reason := assembly.without_stiffness:
-        raise CapacityError(reason)
+        raise NoStiffnessError(reason)
     solver = Turning(assembly, loads)
     found, last = brittle_path(solver)
     if found.mode is Mode.BONDS:
@@ -160,6 +161,10 @@ class Turning(OtherSearches):
             raise UnboundedError(f"in equilibrium up to {LARGEST:g} degrees")
         point = self.at(load).solve(0.0, guess, state, thorough=thorough)
         return replace(point, load=load)
+
+    def stable(self, point: Equilibrium) -> bool:
+        """See `Solver`."""
+        return self.at(point.load).stable(replace(point, load=0.0))
 
     def mechanism(self, point: Equilibrium) -> Floats:
         """Motions of the pieces beyond the last equilibrium, (P, 6), see `StaticTilt`."""
