@@ -240,3 +240,23 @@ def test_a_file_with_locks_or_without_a_design_is_refused() -> None:
     del given["design"]
     with pytest.raises(ValueError, match=r"^design: missing"):
         task_of(given)
+
+
+def test_a_design_follows_the_blocks_as_a_verdict_does(tmp_path: Path) -> None:
+    """A tower that rigid blocks would let carry 1256 N; its foot gives way at 1123 N."""
+    law = {"height": 0.02, "width": 0.05, "most": 8}
+    inner = {"cohesion": 8e4, "tensile_strength": 3.7e5}
+    cases = {"push": {"acceleration": [1, 0, 0], "newtons": 1200}}
+    given = {
+        "blocks": {
+            "base": {"low": [-1, 0, -1], "high": [1, 1, 0], "fixed": True},
+            "block": {"low": [-0.2, 0, 0], "high": [0.2, 0.4, 4]},
+        },
+        "interfaces": {"friction": 0.6},
+        "design": {"cases": cases, "locks": {**law, "inner": inner}},
+    }
+    path = tmp_path / "tower.yaml"
+    path.write_text(json.dumps(given))
+    found = command("design", str(path))
+    assert found.exit_code == 1
+    assert "FAIL" in found.output and "static, peak, push: 0.93" in found.output

@@ -39,7 +39,6 @@ def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     assert rows["static"]["load / weight"] == pytest.approx(0.2, rel=1e-3)
     assert rows["static"]["peak (N)"] == rows["static"]["load (N)"]
     note = "the peak counts: no bond fails before the peak; failure mode: mechanism"
-    note += "; small displacements"
     assert rows["static"]["note"] == note
 
 
@@ -61,7 +60,7 @@ def test_the_command_prints_the_angle_at_which_a_structure_slides(path: Path) ->
     assert rows["limit"]["tilt (degrees)"] == pytest.approx(slides, rel=1e-6)
     assert rows["static"]["tilt (degrees)"] == pytest.approx(slides, rel=2e-4)
     assert str(rows["static"]["note"]).endswith(
-        "failure mode: sliding; largest displacement: block; small displacements"
+        "failure mode: sliding; largest displacement: block"
     )
     (row,) = answers("assembly", str(path), "--interfaces")
     assert row["compression (N)"] == pytest.approx(
@@ -207,20 +206,15 @@ def loss_of_a_tower(stiffness: float) -> float:
     return 1.0 - float(load.max()) * HEIGHT / WIDTH
 
 
-@pytest.mark.parametrize(("stiffness", "load"), [(2e7, PUSH), (2e7, TILT), (1e9, PUSH)])
+@pytest.mark.parametrize(("stiffness", "load"), [(2e7, PUSH), (1e9, PUSH), (1e11, PUSH)])
 def test_soft_joints_let_a_tower_lean_and_carry_less(
     path: Path, stiffness: float, load: dict[str, Any]
 ) -> None:
-    words, share = static_note(path, stiffness, load).rsplit("; ", 1)[1].rsplit(" about ", 1)
-    assert words == "small displacements: finite rotation would lower it by"
-    known = loss_of_a_tower(stiffness)
-    assert float(share.removesuffix(" %")) / 100.0 == pytest.approx(known, rel=0.06)
-
-
-@pytest.mark.parametrize("load", [PUSH, TILT])
-def test_a_tower_on_stiff_joints_carries_what_it_did(path: Path, load: dict[str, Any]) -> None:
-    assert loss_of_a_tower(1e11) < 0.04
-    assert static_note(path, 1e11, load).endswith("; small displacements")
+    law = {"normal_stiffness": stiffness, "shear_stiffness": stiffness, "friction": 0.7}
+    tower = {"blocks": {"block": {"high": [WIDTH, 0.6, HEIGHT]}}, "interfaces": law}
+    rows = by_model(path, with_changes(ON_GROUND, tower) | {"load": load})
+    left = rows["static"]["load (N)"] / rows["limit"]["load (N)"]
+    assert left == pytest.approx(1.0 - loss_of_a_tower(stiffness), rel=5e-3)
 
 
 def test_a_tower_that_turns_over_under_the_load_does_not_carry_it(path: Path) -> None:
@@ -231,6 +225,6 @@ def test_a_tower_that_turns_over_under_the_load_does_not_carry_it(path: Path) ->
     found = assembly(path, with_changes(ON_GROUND, tower) | {"load": load})
     left = (1.0 - loss_of_a_tower(1e8)) / 0.8
     assert left < 0.9 and found.exit_code == 1
-    words, without = found.stdout.splitlines()[0].split(" with finite rotation ")
-    assert float(words.rsplit(maxsplit=1)[1]) == pytest.approx(left, rel=0.02)
-    assert words.startswith("No: it does not carry") and without == "(without it 1.25)"
+    words = found.stdout.splitlines()[0]
+    assert words.startswith("No: it does not carry")
+    assert float(words.rsplit(maxsplit=1)[1]) == pytest.approx(left, rel=5e-3)

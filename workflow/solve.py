@@ -14,7 +14,13 @@ import pandas as pd
 from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import HISTORY, NODES
-from sidmacib.errors import DOES_NOT_STAND, CapacityError, ResultError, UnboundedError
+from sidmacib.errors import (
+    DOES_NOT_STAND,
+    CapacityError,
+    NoStiffnessError,
+    ResultError,
+    UnboundedError,
+)
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.model import Ability
@@ -68,7 +74,8 @@ def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
         problem = case.subject.problem()
         reason = problem.assembly.without_stiffness
         if reason and Ability.CONDENSED not in MODELS[case.model].abilities:
-            return record_without_result(case, refused=f"{case.model}: {reason}")
+            stops = NoStiffnessError(reason)
+            return record_without_result(case, refused=f"{case.model}: {reason}", raised=stops)
         return solved(case, solve, problem)
     except UnboundedError as error:
         if problem.loads.axis is not None:

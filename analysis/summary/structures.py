@@ -47,6 +47,7 @@ def verdict_lines(verdicts: pd.DataFrame) -> Iterator[tuple[str, str, bool]]:
                 row["required_N"],
                 bool(row["carried"]),
                 row["verdict"],
+                open=bool(row["open"]),
                 factor=None if pd.isna(row["factor"]) else row["factor"],
             )
             for row in rows.to_dict("records")

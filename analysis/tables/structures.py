@@ -11,7 +11,13 @@ from sidmacib.answers.structure_paths import counting, without_other_meshes
 from sidmacib.answers.verdict import KeptAnswer, Verdict, governing, verdict
 from sidmacib.engines import ENGINES
 from sidmacib.engines.curve import yade_answer
-from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.errors import (
+    CapacityError,
+    InfeasibleError,
+    NoEquilibriumError,
+    NoStiffnessError,
+    UnboundedError,
+)
 from sidmacib.mesh_error import DIGITS
 from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures, Problem
@@ -40,7 +46,10 @@ TILTS = {
     "failed_load_N": "failed_tilt_degrees",
     "static_load_N": "static_tilt_degrees",
 }
-RAISED = {each.__name__: each for each in (InfeasibleError, NoEquilibriumError, UnboundedError)}
+RAISED = {
+    each.__name__: each
+    for each in (InfeasibleError, NoEquilibriumError, NoStiffnessError, UnboundedError)
+}
 
 
 def structures_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
@@ -131,7 +140,7 @@ def _answer(record: StructureRecord | None, model: str) -> KeptAnswer | Capacity
     peak = record.load_N if peak is None else peak
     failures = Failures(peak if first is None else first, peak)
     counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
-    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, record.mode, part.rotation)
+    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, record.mode)
 
 
 def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
@@ -150,7 +159,7 @@ def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
         {
             **{"structure": record.part.structure, "load": record.part.load},
             **{"variant": record.variant, "required_N": found.newtons, "carried": found.passes},
-            **{"factor": found.factor, "first_failure_factor": found.first},
+            **{"open": found.open, "factor": found.factor, "first_failure_factor": found.first},
             **{"peak_factor": found.peak, "limit_factor": found.limit},
             **{"governs": number == first, "verdict": found.reasons},
         }

@@ -7,8 +7,8 @@ from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import APART
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.solution import Mode, StaticSolution
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.solution import Equilibrium, Mode, StaticSolution
+from sidmacib.mechanics.static import MOST_ROTATION, static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
 
@@ -47,7 +47,16 @@ class JointAnswer:
         which = "lowest peak found" if self.solution.spread else "peak"
         if self.solution.mode is Mode.APART:
             return f"{which}; beyond it locks come apart by over {100 * APART:g} % of their height"
+        if self._at_first_failure.rotation > MOST_ROTATION:
+            return (
+                f"{which}; pieces turn by over 2 degrees before a bond fails: too soft to rely on"
+            )
         return f"{which}; beyond it pieces turn by over 2 degrees" if self.solution.turns else which
+
+    @property
+    def _at_first_failure(self) -> Equilibrium:
+        first = self.solution.first_failure_load
+        return next(point for point in self.solution.path if point.load >= first)
 
 
 def meshes(joint: Joint) -> tuple[float, float]:

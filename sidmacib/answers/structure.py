@@ -20,13 +20,9 @@ from scipy.optimize import bisect
 
 from sidmacib.answers.structure_paths import (
     CRUSHING,
-    HALF,
     LOWER,
-    MOST_NODES,
     SMALL,
-    FollowedPath,
     StaticAnswer,
-    followed,
     told,
     unbounded_answer,
     without_other_meshes,
@@ -36,7 +32,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.limit import LimitState
-from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches, Solver
+from sidmacib.mechanics.solution import Equilibrium, OtherSearches, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.structure.analysis.limit import (
@@ -45,7 +41,6 @@ from sidmacib.structure.analysis.limit import (
     limit_tilt,
     short_of,
 )
-from sidmacib.structure.analysis.second_order import rotation_effect
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined
 
@@ -64,12 +59,8 @@ def static_answer(
     """
     with naming_permanent(problem.loads):
         if crushed_faces(problem.assembly):
-            answer = with_crushing(problem, limit)
-        else:
-            answer = _bounded_answer(problem, limit)
-    fine = _on_fine_cells(problem, answer)
-    path = [each for each in fine.path if each.load <= (1.0 + SMALL) * answer.load]
-    return replace(answer, rotation=rotation_effect(fine.assembly, problem.loads, path))
+            return with_crushing(problem, limit)
+        return _bounded_answer(problem, limit)
 
 
 def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
@@ -85,25 +76,6 @@ def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) 
     alone = told(problem.loads, answer.load)
     why = f"{answer.counts.why}; limit analysis is below the static model alone, {alone}"
     return _limited(problem, answer, most, why)
-
-
-def _on_fine_cells(problem: Problem, answer: StaticAnswer) -> FollowedPath:
-    """The path of a structure that rocks, on cells on which edges give way as they are pressed.
-
-    As small as `MOST_NODES` allow. That of the ``answer`` if it does not rock, if its peak does not
-    count, or if there is none on these cells.
-    """
-    if answer.mode != Mode.ROCKING or not answer.counts.peak:
-        return answer
-    finest, divided = answer.assembly, HALF
-    while len((finer := refined(problem.assembly, divided)).nodes.area) <= MOST_NODES:
-        if len(finer.nodes.area) > len(finest.nodes.area):
-            finest = finer
-        divided *= 2
-    try:
-        return followed(finest, problem.loads) if finest is not answer.assembly else answer
-    except CapacityError:
-        return answer
 
 
 def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:
@@ -141,9 +113,8 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
     if most >= answer.load:
         return _because(answer, words)
     why = f"limited by crushing in limit analysis; {words}; without crushing {without}"
-    given = Failures(*np.minimum(answer.given, most).tolist())
     limited = _limited(problem, answer, most, why)
-    return replace(limited, given=given, mode=CRUSHING, mechanism=None)
+    return replace(limited, mode=CRUSHING, mechanism=None)
 
 
 def _limited(problem: Problem, answer: StaticAnswer, most: float, why: str) -> StaticAnswer:
@@ -166,7 +137,6 @@ def _as_far_as(problem: Problem, most: float, error: UnboundedError) -> StaticAn
     failures = Failures(found.first_failure_load, found.peak.load)
     return StaticAnswer(
         *(assembly, failures, found.path, found.mode),
-        given=failures,
         mesh_errors=UNKNOWN,
         counts=without_other_meshes(failures),
     )

@@ -1,8 +1,9 @@
 """Paths of the static model for a structure on several meshes, and which of its loads counts.
 
-It is solved on the cells of the file and on cells of half the size. Where no bond fails before the
-peak, the peak counts, and cells are halved until its mesh error is small: a face on few cells
-resists twisting by more friction than it has.
+It is solved on the cells of the file and on cells of half the size, with pressure on dry interfaces
+integrated over their pressed parts: an edge gives way as it is pressed, whatever the cells. Where
+no bond fails before the peak, the peak counts, and cells are halved until its mesh error is small:
+a face on few cells resists twisting by more friction than it has.
 
 Where a bond does fail before the peak, how far that moves from one mesh to another says little of
 how far it still will: it counts only if three meshes agree on it, the third with cells of a quarter
@@ -14,7 +15,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnsettledError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static import MOST_ROTATION, static_peak
@@ -51,17 +52,10 @@ class FollowedPath:
 
 @dataclass(frozen=True, kw_only=True)
 class StaticAnswer(FollowedPath):
-    """What the static model answers for a structure: the path on the smallest cells.
+    """What the static model answers for a structure: the path on the smallest cells."""
 
-    ``given``: the failures on the cells of the file. ``rotation``: the change of the load that
-    counts by finite rotation, over it, see `sidmacib.structure.analysis.second_order`; None where
-    it is not known.
-    """
-
-    given: Failures
     mesh_errors: MeshErrors
     counts: Counts
-    rotation: float | None = None
 
     @property
     def load(self) -> float:
@@ -106,7 +100,7 @@ def unbounded_answer(problem: Problem, most: float = math.inf) -> StaticAnswer:
 
     ``most``: a load (N or degrees) that the peak on small cells should not exceed by far.
     """
-    found = {1: followed(*problem), HALF: followed(refined(problem.assembly), problem.loads)}
+    found = {each: followed(refined(problem.assembly, each), problem.loads) for each in (1, HALF)}
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)
     _refine(problem, found, most)
@@ -117,7 +111,6 @@ def unbounded_answer(problem: Problem, most: float = math.inf) -> StaticAnswer:
         raise CapacityError(f"bonds fail under its own weight alone, and {doubt}")
     return StaticAnswer(
         **vars(finest),
-        given=found[1].failures,
         mesh_errors=_mesh_errors(found),
         counts=Counts(peak=not doubt, why=doubt or (AGREE if fails else NO_BOND)),
     )
@@ -135,10 +128,7 @@ def _refine(problem: Problem, found: dict[int, FollowedPath], most: float) -> No
         smaller = refined(problem.assembly, divided)
         if len(smaller.nodes.area) > MOST_NODES:
             return
-        try:
-            found[divided] = followed(smaller, problem.loads)
-        except UnsettledError:
-            return
+        found[divided] = followed(smaller, problem.loads)
 
 
 def _doubt(problem: Problem, found: dict[int, FollowedPath]) -> str:
@@ -186,11 +176,6 @@ def followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> Follo
         found = (lowest_peak if lowest else static_peak)(assembly, loads)
     except NoEquilibriumError:
         raise NoEquilibriumError(DOES_NOT_STAND) from None
-    except UnsettledError as error:
-        if error.load is None:
-            raise
-        up_to = f"there is equilibrium up to {told(loads, error.load)}"
-        raise UnsettledError(f"{error}; {up_to}") from None
     failures = Failures(float(found.first_failure_load), float(found.peak.load))
     spread = found.spread if lowest else None
     return FollowedPath(assembly, failures, found.path, str(found.mode), spread=spread)

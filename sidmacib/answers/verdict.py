@@ -1,8 +1,9 @@
 """Whether a structure carries a load, and by what factor.
 
-The lower decides of the load that counts in the static model and of limit analysis. Where the
-static model has no answer limit analysis decides alone, which may overestimate, and the words say
-so. Both models may be asked here, or have been asked by a study.
+The lower decides of the load that counts in the static model and of limit analysis. A load within
+the mesh error of what is carried is left open. Limit analysis of dry blocks may overestimate:
+where the static model has no answer, it can say no, but not yes. Only where contact points stand
+for locks it decides alone. Both models may be asked here, or have been asked by a study.
 """
 
 import math
@@ -11,10 +12,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from sidmacib.answers.structure_paths import CRUSHING, LOWER, StaticAnswer, bond_fails
-from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.errors import (
+    CapacityError,
+    InfeasibleError,
+    NoEquilibriumError,
+    NoStiffnessError,
+    UnboundedError,
+)
+from sidmacib.mechanics.solution import Mode
 from sidmacib.problem import Counts, Failures
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.second_order import MATTERS
 
 if TYPE_CHECKING:
     from sidmacib.mechanics.limit import LimitState
@@ -25,8 +32,7 @@ class KeptAnswer:
     """What decides of an answer that a study keeps; the same stands in a `StaticAnswer`.
 
     ``load``: the one that counts, N; ``counts``: whether that is the peak, and why; ``mesh_error``:
-    of that load, over it; ``mode``: how it fails; ``rotation``: change of the load by finite
-    rotation, over it.
+    of that load, over it; ``mode``: how it fails.
     """
 
     load: float
@@ -34,7 +40,6 @@ class KeptAnswer:
     counts: Counts
     mesh_error: float | None
     mode: str | None
-    rotation: float | None = None
 
 
 @dataclass(frozen=True)
@@ -43,20 +48,27 @@ class Verdict:
 
     ``factor``: of the load that decides; ``first``, ``peak``: of the first failure and the peak in
     the static model; ``limit``: of limit analysis; None where there is no answer, or no limit.
-    ``words``: without yes or no; ``note``: what the factors rest on.
+    ``words``: without yes or no; ``note``: what the factors rest on. ``open``: neither yes nor no,
+    so that it does not pass.
     """
 
     newtons: float
     passes: bool
     words: str
     note: str = ""
+    open: bool = False
     factor: float | None = None
     first: float | None = None
     peak: float | None = None
     limit: float | None = None
 
     def __str__(self) -> str:
-        return f"{'Yes' if self.passes else 'No'}: {self.reasons}"
+        return f"{self.said}: {self.reasons}"
+
+    @property
+    def said(self) -> str:
+        """Yes, no or open."""
+        return "Open" if self.open else "Yes" if self.passes else "No"
 
     @property
     def reasons(self) -> str:
@@ -83,20 +95,33 @@ def verdict(
     for error in (static, limit):
         if isinstance(error, NoEquilibriumError | InfeasibleError):
             return Verdict(newtons, False, lower_first(str(error)), limit=most)
-    if isinstance(limit, UnboundedError):
-        words = f"it carries {four_digits(newtons)} N and any multiple of it"
-        return Verdict(
-            newtons, True, words, "neither bending nor splitting of blocks is considered"
-        )
-    if most is None:
-        return Verdict(newtons, False, "no model that decides has an answer", f"{static}; {limit}")
-    note = f"limit analysis, which may overestimate; the static model has no answer: {static}"
-    return _by_limit(newtons, most, note)
+    return _without_static(newtons, static, limit, most)
+
+
+def _without_static(
+    newtons: float,
+    static: CapacityError,
+    limit: "LimitState | KeptAnswer | CapacityError",
+    most: float | None,
+) -> Verdict:
+    """The verdict by limit analysis, whose factor is ``most``, if it has one."""
+    if isinstance(static, NoStiffnessError):
+        if isinstance(limit, UnboundedError):
+            words = f"it carries {four_digits(newtons)} N and any multiple of it"
+            return Verdict(newtons, True, words, "neither bending nor splitting is considered")
+        if most is not None:
+            return _by_limit(newtons, most, str(static))
+    without = f"the static model has no answer: {static}"
+    if most is not None and most < 1.0:
+        return _by_limit(newtons, most, f"limit analysis; {without}")
+    words = f"nothing shows that it carries {four_digits(newtons)} N"
+    told = f"limit analysis: {limit if most is None else factor_of(most)}; it may overestimate"
+    return Verdict(newtons, False, words, f"{without}; {told}", open=True, limit=most)
 
 
 def _by_limit(newtons: float, most: float, note: str) -> Verdict:
     words = by_factors(f"{four_digits(newtons)} N", most, f"{factor_of(most)} to the limit")
-    return Verdict(newtons, most >= 1.0, words, note, most, limit=most)
+    return Verdict(newtons, most >= 1.0, words, note, factor=most, limit=most)
 
 
 def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | None) -> Verdict:
@@ -105,15 +130,17 @@ def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | 
     factors, notes = factor_of(peak), []
     if bond_fails(static.failures):
         factors = f"{factor_of(first)} to the first failure, {factor_of(peak)} to the peak"
-    if (change := static.rotation or 0.0) < -MATTERS:
-        factor *= 1.0 + change
-        factors = f"{factor_of(factor)} with finite rotation (without it {factors})"
     if bond_fails(static.failures) or static.mode == CRUSHING:
         notes.append(str(static.counts))
-    if abs(factor - 1.0) < error * factor:
-        notes.append(f"the mesh error of {100.0 * error:.2g} % leaves it open")
+    if static.mode == Mode.PRESSED:
+        notes.append("followed until joints are pressed in by a tenth of the blocks")
+    left_open = factor * (1.0 - error) < 1.0 <= factor
     words = by_factors(f"{four_digits(newtons)} N", factor, factors)
-    return Verdict(newtons, factor >= 1.0, words, "; ".join(notes), factor, first, peak, most)
+    if left_open:
+        within = f"it may carry {four_digits(newtons)} N, within the mesh error"
+        words = f"{within} of {100.0 * error:.2g} %: its factor is {factors}"
+    carried, numbers = factor >= 1.0 and not left_open, (factor, first, peak, most)
+    return Verdict(newtons, carried, words, "; ".join(notes), left_open, *numbers)
 
 
 def factor_of(value: float) -> str:
@@ -132,12 +159,14 @@ def by_factors(load: str, factor: float, factors: str) -> str:
 def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> str:
     """The verdict on several load cases in words; ``names``: of the cases."""
     lost = [name for name, each in zip(names, verdicts, strict=True) if not each.passes]
-    said, first = "No" if lost else "Yes", governing(verdicts)
+    left_open = bool(lost) and all(each.open for each in verdicts if not each.passes)
+    said, first = "Open" if left_open else "No" if lost else "Yes", governing(verdicts)
     if len(names) == 1:
         return f"{said}: {names[0]}; {verdicts[0].reasons}"
     carried = f"all {len(names)} cases"
     if lost:
-        carried = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} not carried"
+        ends = "left open" if left_open else "not carried"
+        carried = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} {ends}"
     return f"{said}: {carried}; {names[first]} governs: {verdicts[first].reasons}"
 
 

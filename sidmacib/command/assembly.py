@@ -29,8 +29,8 @@ from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Kind, Vector
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.limit import LimitTilt
-from sidmacib.structure.analysis.reserve import Push, Reserve, reserve
+from sidmacib.structure.analysis.limit import LimitTilt, assumes
+from sidmacib.structure.analysis.reserve import Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
@@ -258,14 +258,21 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
     for name, push in named:
         if push is not None:
             tilt = "" if push.tilt is None else f"a tilt of {push.tilt:.4g} degrees; "
-            note = f"{tilt}largest displacement: {moves_most(problem.assembly, push.mechanism)}"
-            what = f"{name} acceleration (g), towards {_way(push)}"
+            moves = f"largest displacement: {moves_most(problem.assembly, push.mechanism)}"
+            note = f"{assumes(problem.assembly)}; {tilt}{moves}"
+            what = f"{name} acceleration (g), towards {_way(push.direction)}"
             cells.append(("limit", what, push.acceleration, note))
     cells.append(("static", "stands", None, found.static or "in equilibrium"))
+    if found.followed is not None:
+        acceleration, way = found.followed
+        what = f"least horizontal acceleration (g), towards {_way(way)}"
+        cells.append(("static", what, acceleration, "first failure, else the peak"))
     words = f"Yes: {_stands(found)}"
     if found.falls:
         words = f"No: {lower_first(found.static)} in the static model"
     weakest = ALONG_X if found.least is None else found.least.direction
+    if found.followed is not None:
+        weakest = found.followed[1]
     return table(*cells), words, not found.falls, weakest
 
 
@@ -281,16 +288,18 @@ def _stands(found: Reserve) -> str:
     words, push = "it stands", found.least
     if found.factor is not None:
         words += f", with a geometrical safety factor of {found.factor:.3g}"
-    if push is None:
-        words += (
-            "; no horizontal acceleration fells it in limit analysis, which wedges blocks that "
-            "slide; for the static model's answer, give an acceleration as the load"
-        )
+    if found.followed is not None and (push is None or found.followed[0] < push.acceleration):
+        acceleration, way = found.followed
+        words += f"; it falls at {acceleration:.3g} g towards {_way(way)}"
+    elif push is None:
+        words += "; no horizontal acceleration fells it in limit analysis"
     else:
         tilt = "" if push.tilt is None else f", a tilt of {push.tilt:.3g} degrees"
-        words += f"; it falls at {push.acceleration:.3g} g towards {_way(push)}{tilt}"
+        words += f"; it falls at {push.acceleration:.3g} g towards {_way(push.direction)}{tilt}"
+        if found.followed is None:
+            words += " in limit analysis, which may overestimate"
     return f"{words}; the static model: {found.static}" if found.static else words
 
 
-def _way(push: Push) -> str:
-    return f"({', '.join(f'{each:.3g}' for each in push.direction[:2])})"
+def _way(direction: Vector) -> str:
+    return f"({', '.join(f'{each:.3g}' for each in direction[:2])})"

@@ -23,7 +23,6 @@ from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.kinematics import capacity_curve
 from sidmacib.structure.analysis.limit import LimitTilt, assumes, limit_mesh_error
-from sidmacib.structure.analysis.second_order import rotation_words
 from sidmacib.structure.analysis.supports import joints_in_words, support_answers
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.loads import load_warnings
@@ -206,14 +205,13 @@ def _limited_by(problem: Problem, limit: LimitState) -> Iterator[str]:
 
 
 def _static(demand: Demand, answer: Static) -> Row:
-    """The load that counts, the reason, the end of the peak, and what small displacements miss."""
+    """The load that counts, the reason, and how the blocks move beyond it."""
     if isinstance(answer, CapacityError):
         return _row(demand, "static", None, reason(answer))
     moves = ""
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
-    rotation = rotation_words(answer.rotation) or "small displacements"
-    note = f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
+    note = f"{answer.counts}; failure mode: {answer.mode}{moves}"
     return _row(demand, "static", answer.load, note, answer.mesh_error, answer)
 
 

@@ -32,6 +32,7 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.structure.loads import naming_permanent
+from sidmacib.structure.structure import refined
 
 DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"
 FIRST, PEAK = "static, first failure", "static, peak"
@@ -108,10 +109,10 @@ def _static(
     """Model, load (N), note, whether it decides: of the first failure and of the peak.
 
     That decides which counts, see `static_answer`, or the ``first_failure`` where that is asked
-    for. Both are less their mesh errors. Where already the peak on the cells of the file is below
-    what is ``needed`` (N), there are no other meshes.
+    for. Both are less their mesh errors. Where already the peak on cells as large as the file's is
+    below what is ``needed`` (N), there are no other meshes.
     """
-    coarse = static_peak(*problem)
+    coarse = static_peak(refined(problem.assembly, 1), problem.loads)
     if coarse.peak.load < needed:
         ends = f"failure mode: {coarse.mode}"
         yield FIRST, coarse.first_failure_load, "first bond failure, else the peak", first_failure

@@ -21,7 +21,7 @@ class StructurePart:
     ``given_first_failure_N``: on the cells of the file, where the rest is from smaller ones.
     ``required_N``: how much of the load is to be carried, if the description says.
     ``mesh_error``: of the load that counts, over it, and ``first_failure_mesh_error``; None where
-    no other mesh was solved. ``rotation``: change of that load by finite rotation, over it.
+    no other mesh was solved.
     ``first_interface``: whose bond fails first.
     """
 
@@ -37,7 +37,6 @@ class StructurePart:
     first_interface: str | None = None
     mesh_error: float | None = None
     first_failure_mesh_error: float | None = None
-    rotation: float | None = None
     nodes: int | None = None
     interfaces: tuple[InterfaceRow, ...] = ()
     blocks: tuple[BlockRow, ...] = ()
@@ -72,7 +71,6 @@ class StructurePart:
             first_interface=next((assembly.faces[face].name for face in outcome.broken_at), None),
             mesh_error=errors.peak if counts is None or counts.peak else errors.first,
             first_failure_mesh_error=errors.first,
-            rotation=None if outcome.rotation is None else round(outcome.rotation, 4) + 0.0,
             nodes=len(assembly.nodes.area),
             interfaces=interfaces_of(assembly, outcome),
             blocks=block_rows(assembly, outcome),

@@ -183,7 +183,7 @@ STRUCTURES = Table(
 VERDICTS = Table(
     "verdicts",
     (
-        *("structure", "load", "variant", "required_N", "carried", "factor"),
+        *("structure", "load", "variant", "required_N", "carried", "open", "factor"),
         *("first_failure_factor", "peak_factor", "limit_factor", "governs", "verdict"),
     ),
     ("structure", "load", "variant"),
