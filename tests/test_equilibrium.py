@@ -115,7 +115,7 @@ def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
 
 def point_at(contacts: ContactFaces, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
     """What ``unknowns`` of compiled ``contacts`` make of its nodes, without other forces."""
-    here = new_point(len(unknowns), contacts.start)
+    here = new_point(contacts)
     put_at(contacts, slip, whole, unloaded(here), here, unknowns)
     return here
 

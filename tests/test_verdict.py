@@ -24,6 +24,7 @@ from sidmacib.answers.verdict import verdict
 from sidmacib.command import structures
 from sidmacib.command.options import units_option
 from sidmacib.command.output import say
+from sidmacib.errors import UnboundedError
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.problem import Failures
 from sidmacib.structure.files.structure_file import structure_of
@@ -244,6 +245,20 @@ def test_limit_analysis_decides_a_verdict_where_it_is_lower() -> None:
     assert found.factor == pytest.approx(0.9) and not found.passes
     assert found.peak == 1.0
     assert found.note == "limit analysis decides, as it is lower: the static model has 1"
+
+
+def test_where_neither_model_finds_a_limit_any_load_is_carried(path: Path) -> None:
+    stiff = {**CUBE["interfaces"], "normal_stiffness": 1e15, "shear_stiffness": 1e15}
+    code, found = said(path, {**CUBE, "interfaces": stiff, "load": {**DOWN, "newtons": 100}})
+    assert code == 0
+    assert found.startswith("Yes: it carries 100 N and any multiple of it; ")
+
+
+def test_limit_analysis_decides_where_the_static_model_finds_no_limit() -> None:
+    static = static_answer(structure_of({**CUBE, "load": PUSH}))
+    endless = UnboundedError("no failure up to 1e+13 N: the load can grow without limit")
+    found = verdict(static.load, endless, static)
+    assert str(found) == f"Yes: it carries 9810 N with a factor of 1 to the limit; {endless}"
 
 
 # --- in studies ----------------------------------------------------------------------------------

@@ -105,7 +105,7 @@ def _without_static(
     most: float | None,
 ) -> Verdict:
     """The verdict by limit analysis, whose factor is ``most``, if it has one."""
-    if isinstance(static, NoStiffnessError):
+    if isinstance(static, NoStiffnessError | UnboundedError):
         if isinstance(limit, UnboundedError):
             words = f"it carries {four_digits(newtons)} N and any multiple of it"
             return Verdict(newtons, True, words, "neither bending nor splitting is considered")
@@ -115,8 +115,9 @@ def _without_static(
     if most is not None and most < 1.0:
         return _by_limit(newtons, most, f"limit analysis; {without}")
     words = f"nothing shows that it carries {four_digits(newtons)} N"
-    told = f"limit analysis: {limit if most is None else factor_of(most)}; it may overestimate"
-    return Verdict(newtons, False, words, f"{without}; {told}", open=True, limit=most)
+    told = str(limit) if most is None else f"limit analysis: {factor_of(most)}"
+    note = f"{without}; {told}; it may overestimate"
+    return Verdict(newtons, False, words, note, open=True, limit=most)
 
 
 def _by_limit(newtons: float, most: float, note: str) -> Verdict:

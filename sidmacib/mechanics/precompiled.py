@@ -25,10 +25,12 @@ def signatures() -> dict[Any, Signature]:
     four = types.UniTuple(float64, 4)
     plain, cube = np.zeros((1, 1)), np.zeros((1, 3, 3))
     whole, start = np.zeros((1, 2), np.int64), np.zeros(2, np.int64)
-    of_faces = plain, plain, start, cube, cube, whole, start
+    of_faces = plain, plain, start, cube, cube, whole
     of_triangles = np.zeros((1, 3), np.int64), plain[0], start
-    contacts = typeof(faces.ContactFaces(*of_faces, *of_triangles, cube, 1.0, False, 0, 0, 0))
-    matrix, here = typeof(linear.Matrix(plain, plain, plain)), typeof(faces.new_point(6, start))
+    built = faces.ContactFaces(*of_faces, *of_triangles, cube, 1.0, False, 0, 0, 0)
+    matrix, contacts, here = map(
+        typeof, (linear.Matrix(plain, plain, plain), built, faces.new_point(built))
+    )
     loads = typeof(faces.Applied(plain[0], cube))
     solved, nodes = (contacts, matrix, here), (loads, row, table, row)  # guess, slip, whole
     controlled = types.UniTuple(loads, 2), row, float64, float64, table, row

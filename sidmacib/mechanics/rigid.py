@@ -161,12 +161,13 @@ class RigidSolver(Solver):
         self.soft = self.contacts._replace(
             law=soft_law(assembly).rows(), whole=np.zeros_like(self.contacts.whole)
         )
-        self.here = new_point(order.inner + order.outer, self.contacts.start)
-        self.matrix, self.bordered = (_matrix(order, more) for more in (0, 1))
+        self.here = new_point(self.contacts)
+        self.matrix = _matrix(order)
         for each in (self.contacts, self.soft):
             whole_faces(each, self.here)
         self.most_opening, self.careful = assembly.most_opening, False
         self.finite = assembly.finite
+        self.bordered = _matrix(order, 1) if self.finite else self.matrix
         self.place = (order.begin[:, None] + np.arange(RIGID)).ravel()
         self.free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
         self.turned = order.begin // RIGID  # of each free piece: its number in order
@@ -271,11 +272,9 @@ class RigidSolver(Solver):
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
         rotation = float(np.linalg.norm(unknowns.reshape(-1, RIGID)[:, 3:], axis=1).max())
-        rotation, across = (
-            2.0 * math.atan(rotation / 2.0) if self.finite else rotation,
-            here.moved[0],
-        )
-        far = -float(across.min()), float(across.max())
+        if self.finite:
+            rotation = 2.0 * math.atan(rotation / 2.0)
+        far = -float(here.moved[0].min()), float(here.moved[0].max())
         return Equilibrium(load, unknowns, displacement, force.T, after, rotation, *far)
 
     def stable(self, point: Equilibrium) -> bool:
@@ -337,7 +336,7 @@ class RigidSolver(Solver):
         return np.asarray(unknowns[self.place] / self.units)
 
 
-def _matrix(order: Ordering, more: int) -> Matrix:
+def _matrix(order: Ordering, more: int = 0) -> Matrix:
     """A matrix of the unknowns, and ``more`` behind them."""
     outer = order.outer + more
     return Matrix(
@@ -366,7 +365,6 @@ def _contact_faces(assembly: Assembly, law: ContactLaw, order: Ordering) -> Cont
         axes,
         middle[:, None] - centres[ends],
         np.where(free < 0, -1, order.begin[free]),
-        np.zeros(len(ends), np.int64),
         nodes.triangles,
         normal[of_triangle] * nodes.parts,
         np.searchsorted(of_triangle, np.arange(len(axes) + 1)),

@@ -30,22 +30,23 @@ def node_force(normal, shear, friction, given, whole, d0, d1, d2):
     """
     pressed, pulled = (d0, 0.0) if d0 > 0.0 else (0.0, d0)
     square, cone = shear * shear * (d1 * d1 + d2 * d2), friction * normal * pressed + given
-    share = shear if square <= cone * cone else shear * (cone / np.sqrt(square))
+    share = slid_share(shear, square, cone)
     share = whole * shear if whole > 0.0 else share
     return normal * (pressed + whole * pulled), share * d1, share * d2
 
 
 @compiled
-def slid_force(shear, cone, d1, d2):
-    """Shear forces (N) of a dry node with that friction limit, at d less its slip (m)."""
-    square = shear * shear * (d1 * d1 + d2 * d2)
-    share = shear if square <= cone * cone else shear * (cone / np.sqrt(square))
-    return share * d1, share * d2
+def slid_share(shear, square, cone):
+    """Shear force over displacement (N/m) of a dry node, whose friction limit is ``cone`` (N).
+
+    ``square``: of the force (N2) if it stuck.
+    """
+    return shear if square <= cone * cone else shear * (cone / np.sqrt(square))
 
 
 @compiled
 def slid_tangent(shear, friction, cone, d1, d2):
-    """Derivatives of `slid_force`.
+    """Derivatives of the shear forces of a dry node, displaced by d from its slip (m).
 
     Of both by the normal force (1), then by d (N/m): of the first, of it by d2, of the second.
     """

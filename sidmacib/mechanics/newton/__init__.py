@@ -136,10 +136,10 @@ def controlled(bordered, matrix, here, loads, guess, load, moved, slip, whole, l
     """
     (permanent, raised), (floor, allowed, largest_step) = loads, limits
     size, inner = len(guess), bordered.inner
-    step, target = np.empty(size + 1), Applied(permanent.wrench.copy(), permanent.levers.copy())
+    target = Applied(np.empty_like(permanent.wrench), np.empty_like(permanent.levers))
     put_raised(target, permanent, raised, load)
     left = put_at(bordered, slip, whole, target, here, guess)
-    start, pull = start_at(here), np.empty(size)
+    start, pull, step = start_at(here), np.empty(size), np.empty(size + 1)
     for _ in range(STEPS):
         ahead = moved
         for i in range(size):
@@ -171,10 +171,5 @@ def controlled(bordered, matrix, here, loads, guess, load, moved, slip, whole, l
 @compiled
 def put_raised(target, permanent, raised, load):
     """Fill in the ``permanent`` loads and ``load`` times the ``raised`` ones."""
-    for i in range(len(target.wrench)):
-        target.wrench[i] = permanent.wrench[i] + load * raised.wrench[i]
-    for piece in range(len(target.levers)):
-        for j in range(3):
-            for k in range(3):
-                levers = permanent.levers[piece, j, k] + load * raised.levers[piece, j, k]
-                target.levers[piece, j, k] = levers
+    target.wrench[:] = permanent.wrench + load * raised.wrench
+    target.levers[:] = permanent.levers + load * raised.levers

@@ -6,14 +6,15 @@ of its centroid and the Gibbs vector of its rotation, 2 tan(theta / 2) along the
 assembly's length, from ``ContactFaces.begin`` on. Moments are divided by the length: forces are in
 N and stiffnesses in N/m.
 
-Nothing is small: nodes, frames and arms are where the pieces have moved to. A face has its frame
-from one of its two pieces, whose side is flat there; its nodes are points of the other piece, which
-rest on that side. With R the rotation and c the centroid of a piece and F the frame,
+Where displacements are finite, nodes, frames and arms are where the pieces have moved to. The frame
+of a face turns with the piece below; its nodes are points of the piece above, which rest on it.
+With R the rotation and c the centroid of a piece and F the frame,
 
     x = c + R (X - C),   delta = F' (x_below - x_above),   force on the piece above: F s(delta)
 
-in both pieces at the point of the one that rests. The rate of delta is then the relative velocity
-of the two pieces at this point, so that forces do the work of the springs.
+in both pieces at the point of the piece above. The rate of delta is then the relative velocity of
+the two pieces at this point, so that forces do the work of the springs. Where displacements are
+small, all of this is linear, and frames and arms stay as they were built.
 """
 
 # mypy: allow-untyped-defs
@@ -37,7 +38,6 @@ class ContactFaces(NamedTuple):
     face, then the number of nodes, (F + 1,). ``axes``: normal and tangents of each face as built,
     (F, 3, 3). ``levers``: from the centroid of either piece to the face's middle, m, (F, 2, 3).
     ``begin``: first unknown of the pieces below and above each face, -1 for a fixed one, (F, 2).
-    ``flat``: which of the two has the frame, (F,).
     ``triangles``: nodes at their corners, (T, 3), their ``stiffness`` under pressure (N/m), (T,),
     and the first of each face, then their number, (F + 1,): on a face that has some, pressure is
     integrated over their pressed parts, see `put_pressed`. A face without has springs at its nodes.
@@ -54,7 +54,6 @@ class ContactFaces(NamedTuple):
     axes: Floats
     levers: Floats
     begin: Integers
-    flat: Integers
     triangles: Integers
     stiffness: Floats
     first_triangle: Integers
@@ -83,13 +82,13 @@ class Point(NamedTuple):
     ``unknowns`` in m, (U,). ``turn``: rotation less identity of each free piece, (U / 6, 3, 3).
     ``apart``: displacement of the middle of each face (m), of the piece below relative to that
     above, and its gradients along p and q, (F, 3, 3). ``frame``: normal and tangents of each face,
-    (F, 3, 3). ``arms``: from the centroids of both pieces to the middle on the flat one (m),
+    (F, 3, 3). ``arms``: from the centroids of both pieces to the middle on the one below (m),
     (F, 2, 3). ``moved``: displacements of the nodes in the frame (m), (3, N). ``force`` of the
     nodes in N, (3, N). ``sums`` of these and of them times place, (F, 4, 3): the force, and three
     rows of place by force. ``residual`` in N, what the nodes leave of the forces on the pieces,
     (U,). ``pressed``: integrals over the pressed parts of triangles by nodes, and what these grow
-    by, see `put_pressed`, (6, N). ``tangent``:
-    derivatives of `node_tangent` in N/m for the nodes of one face at a time, (6, most nodes).
+    by, see `put_pressed`, (6, N). ``tangent``: derivatives of `node_tangent` in N/m for the nodes
+    of one face at a time, (6, most nodes).
     """
 
     unknowns: Floats
@@ -105,21 +104,21 @@ class Point(NamedTuple):
     tangent: Floats
 
 
-def new_point(size: int, start: Integers) -> Point:
-    """A point of ``size`` unknowns, to be filled in; ``start``: see `ContactFaces`."""
-    most, count, faces = int(np.diff(start).max()), int(start[-1]), len(start) - 1
-    nodes = (3, count)
+def new_point(contacts: ContactFaces) -> Point:
+    """A point of ``contacts``, to be filled in; frames and arms are those as built."""
+    size, faces = contacts.inner + contacts.outer, len(contacts.axes)
+    nodes, most = (3, int(contacts.start[-1])), int(np.diff(contacts.start).max())
     return Point(
         unknowns=np.empty(size),
         turn=np.empty((size // 6, 3, 3)),
         apart=np.empty((faces, 3, 3)),
-        frame=np.empty((faces, 3, 3)),
-        arms=np.empty((faces, 2, 3)),
+        frame=contacts.axes.copy(),
+        arms=contacts.levers.copy(),
         moved=np.empty(nodes),
         force=np.empty(nodes),
         sums=np.empty((faces, 4, 3)),
         residual=np.empty(size),
-        pressed=np.zeros((6, count)),
+        pressed=np.zeros((6, nodes[1])),
         tangent=np.empty((6, most)),
     )
 
@@ -227,28 +226,29 @@ def add_step(contacts, here, start, face, side, move):
 
 @compiled
 def put_nodes(contacts, here):
-    """Fill in frames, arms and displacements of the nodes."""
+    """Fill in the displacements of the nodes, and frames and arms that follow the pieces."""
     for face in range(len(contacts.begin)):
-        flat, frame, apart = contacts.flat[face], here.frame[face], here.apart[face]
-        for k in range(3):
-            frame[k] = contacts.axes[face, k]
-        for side in range(2):
-            here.arms[face, side] = contacts.levers[face, side]
-            i = contacts.begin[face, side]
-            if i < 0 or not contacts.finite:
-                continue
-            turn, lever = here.turn[i // 6], contacts.levers[face, side]
-            moved = times(turn, lever)
-            for j in range(3):
-                here.arms[face, side, j] += moved[j]
-            if side == flat:
-                for k in range(3):
-                    turned = times(turn, contacts.axes[face, k])
-                    for j in range(3):
-                        frame[k, j] += turned[j]
-        for j in range(3 * contacts.finite):  # of the other piece: to the middle on the flat one
-            here.arms[face, 1 - flat, j] += (1.0 - 2.0 * flat) * apart[0, j]
+        if contacts.finite:
+            put_frame(contacts, face, here)
         put_displacements(contacts, face, here)
+
+
+@compiled
+def put_frame(contacts, face, here):
+    """Fill in frame and arms of ``face``."""
+    frame, arms, apart = here.frame[face], here.arms[face], here.apart[face]
+    for side in range(2):
+        i, lever = contacts.begin[face, side], contacts.levers[face, side]
+        moved = times(here.turn[i // 6], lever) if i >= 0 else (0.0, 0.0, 0.0)
+        for j in range(3):  # of the piece above: to the middle on the piece below
+            arms[side, j] = lever[j] + moved[j] + side * apart[0, j]
+    below = contacts.begin[face, 0]
+    if below >= 0:
+        for k in range(3):
+            axis = contacts.axes[face, k]
+            turned = times(here.turn[below // 6], axis)
+            for j in range(3):
+                frame[k, j] = axis[j] + turned[j]
 
 
 @compiled
@@ -308,11 +308,10 @@ def add_turned(levers, turn, row, length, forces):
 def resultant(contacts, face, here):
     """Fill in ``here.sums`` of a face: the force, and the sums of place (rows) times force (N m).
 
-    Places are those of the nodes from the middle on the flat side, in the frame.
+    Places are those of the nodes from the middle on the piece below, in the frame.
     """
     sums, force = here.sums[face], here.force
-    # A node is at its place, and moved this way from it.
-    away = contacts.finite * (2.0 * contacts.flat[face] - 1.0)
+    away = -1.0 * contacts.finite  # a node is at its place, and moved this way from it
     for k in range(3):
         whole = by_p = by_q = 0.0
         for node in range(contacts.start[face], contacts.start[face + 1]):

@@ -134,14 +134,6 @@ def solve_dense(matrix, x):
     return True
 
 
-class Start(NamedTuple):
-    """What a step starts from, see `sidmacib.mechanics.newton.faces.Point`."""
-
-    unknowns: Floats
-    turn: Floats
-    apart: Floats
-
-
 @compiled
 def negative_pivots(contacts, matrix):
     """The number of negative pivots in an elimination without exchanges, which destroys ``matrix``.

@@ -14,7 +14,7 @@ from sidmacib.mechanics.contact_law.kernels import (
     FRICTION,
     NORMAL,
     SHEAR,
-    slid_force,
+    slid_share,
     slid_tangent,
 )
 from sidmacib.mechanics.newton.vectors import cross, dot, put
@@ -135,8 +135,10 @@ def put_pressed_forces(contacts, face, slip, here):
         normal = max(normal + by_q * here.pressed[2, node], 0.0)
         cone = law[FRICTION, node] * normal
         d1, d2 = here.moved[1, node] - slip[0, node], here.moved[2, node] - slip[1, node]
-        along, across = slid_force(resists(law, here.pressed, node), cone, d1, d2)
-        here.force[0, node], here.force[1, node], here.force[2, node] = normal, along, across
+        shear = resists(law, here.pressed, node)
+        share = slid_share(shear, shear * shear * (d1 * d1 + d2 * d2), cone)
+        here.force[0, node] = normal
+        here.force[1, node], here.force[2, node] = share * d1, share * d2
 
 
 @compiled
@@ -144,7 +146,7 @@ def pressed_stiffness(contacts, face, slip, here, k):
     """`face_stiffness` of a face with triangles."""
     k[:] = 0.0
     law, frame, apart = contacts.law, here.frame[face], here.apart[face]
-    away, rows = contacts.finite * (2.0 * contacts.flat[face] - 1.0), np.zeros((3, 6))
+    away, rows = -1.0 * contacts.finite, np.zeros((3, 6))
     # Places of the nodes, as linear functions of p and q.
     y_0, y_p, y_q = (
         away * dot(apart[0], frame[1]),

@@ -25,7 +25,7 @@ def face_stiffness(contacts, face, moved, tangent, k):
     n = n_p = n_q = n_pp = n_pq = n_qq = 0.0
     y = y_p = y_q = z = z_p = z_q = turn = turn_p = turn_q = 0.0
     yy = yz = zz = y_turn = z_turn = turns = 0.0
-    first, away = contacts.start[face], contacts.finite * (2.0 * contacts.flat[face] - 1.0)
+    first, away = contacts.start[face], -1.0 * contacts.finite
     for node in range(first, contacts.start[face + 1]):
         p = contacts.places[0, node] + away * moved[1, node]
         q, i = contacts.places[1, node] + away * moved[2, node], node - first
@@ -82,16 +82,16 @@ def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix):
         if target.levers[piece].any():
             subtract_lever(contacts, piece, target.levers[piece], here.turn[piece], matrix)
     for face in range(len(contacts.begin)):
+        now = k
         if is_whole(contacts, face, whole):
-            by_pieces(contacts, face, contacts.whole[face], here, blocks)
+            now = contacts.whole[face]
         elif contacts.first_triangle[face + 1] > contacts.first_triangle[face]:
             pressed_stiffness(contacts, face, slip, here, k)
-            by_pieces(contacts, face, k, here, blocks)
         else:
             first, last = contacts.start[face], contacts.start[face + 1]
             put_tangents(contacts.law, first, last, slip, whole, here.moved, here.tangent)
             face_stiffness(contacts, face, here.moved, here.tangent, k)
-            by_pieces(contacts, face, k, here, blocks)
+        by_pieces(contacts, face, now, here, blocks)
         if contacts.finite:
             add_turns(contacts, face, here, blocks)
         add_face(contacts, matrix, face, blocks)
@@ -160,43 +160,40 @@ def by_pieces(contacts, face, k, here, blocks):
 def add_turns(contacts, face, here, blocks):
     """Add to ``blocks`` what forces of ``face`` that stay change as frame and arms turn and move.
 
-    Frame and force turn with the flat piece; their place moves with the other. With f the force on
-    the piece above and B the sum of arm from the centroid of the other times force, each force on
-    the other changes by phi x f as the flat one turns by phi, and its moments about the centroids
+    Frame and force turn with the piece below, their place moves with that above. With f the force
+    on the piece above at the arm r from its centroid, f changes by phi x f as the piece below
+    turns by phi, and the moments about both centroids by
 
-        (phi_other x r) x f + r x (phi x f)
-        (v_other + phi_other x r - v) x f + r' x (phi x f)
+        (phi_above x r) x f + r x (phi x f)
+        (v_above + phi_above x r - v) x f + r' x (phi x f)
 
-    the second with opposite sign, and arms r' from the centroid of the flat piece.
+    the second with opposite sign, and arms r' from the centroid of the piece below.
     """
-    flat, frame, sums = contacts.flat[face], here.frame[face], here.sums[face]
-    other, over = 1 - flat, 1.0 / contacts.length
-    sign = 1.0 - 2.0 * flat  # of the force on the other, over that on the piece above
-    force = together(frame, sign * sums[0, 0], sign * sums[0, 1], sign * sums[0, 2])
-    far, near = np.empty((3, 3)), np.empty((3, 3))  # sums of arm times force, other and flat
-    turned = np.empty((3, 3))
+    frame, sums, over = here.frame[face], here.sums[face], 1.0 / contacts.length
+    force = together(frame, sums[0, 0], sums[0, 1], sums[0, 2])
+    lower, upper = np.empty((3, 3)), np.empty((3, 3))  # sums of arm times force, below and above
+    rows = np.empty((3, 3))
     for j in range(3):
-        row = together(frame, sums[1 + j, 0], sums[1 + j, 1], sums[1 + j, 2])
-        for k in range(3):
-            turned[j, k] = sign * row[k]
+        rows[j, 0], rows[j, 1], rows[j, 2] = together(
+            frame, sums[1 + j, 0], sums[1 + j, 1], sums[1 + j, 2]
+        )
     for k in range(3):
-        column = together(frame, turned[0, k], turned[1, k], turned[2, k])
+        column = together(frame, rows[0, k], rows[1, k], rows[2, k])
         for j in range(3):
-            far[j, k] = column[j] + here.arms[face, other, j] * force[k]
-            near[j, k] = column[j] + here.arms[face, flat, j] * force[k]
-    all_far, all_near = far[0, 0] + far[1, 1] + far[2, 2], near[0, 0] + near[1, 1] + near[2, 2]
-    square = over * over
-    if contacts.begin[face, other] >= 0:
-        add_square(blocks[other, other], far, all_far, -square, False)
-    if contacts.begin[face, flat] >= 0:
-        add_cross(blocks[flat, flat], 0, 3, force, -over)
-        add_cross(blocks[flat, flat], 3, 0, force, over)
-        add_square(blocks[flat, flat], near, all_near, -square, True)
-    if contacts.begin[face, flat] >= 0 and contacts.begin[face, other] >= 0:
-        add_cross(blocks[other, flat], 0, 3, force, over)
-        add_square(blocks[other, flat], far, all_far, square, True)
-        add_cross(blocks[flat, other], 3, 0, force, -over)
-        add_square(blocks[flat, other], far, all_far, square, False)
+            lower[j, k] = column[j] + here.arms[face, 0, j] * force[k]
+            upper[j, k] = column[j] + here.arms[face, 1, j] * force[k]
+    square, below, above = over * over, contacts.begin[face, 0] >= 0, contacts.begin[face, 1] >= 0
+    if above:
+        add_square(blocks[1, 1], upper, -square, False)
+    if below:
+        add_cross(blocks[0, 0], 0, 3, force, -over)
+        add_cross(blocks[0, 0], 3, 0, force, over)
+        add_square(blocks[0, 0], lower, -square, True)
+    if below and above:
+        add_cross(blocks[1, 0], 0, 3, force, over)
+        add_square(blocks[1, 0], upper, square, True)
+        add_cross(blocks[0, 1], 3, 0, force, -over)
+        add_square(blocks[0, 1], upper, square, False)
 
 
 @compiled
@@ -212,8 +209,9 @@ def add_cross(block, row, column, force, share):
 
 
 @compiled
-def add_square(block, part, trace, share, transposed):
-    """Add ``share`` (``part`` - ``trace`` I) to the moments by rotations of a ``block``."""
+def add_square(block, part, share, transposed):
+    """Add ``share`` (``part`` - its trace I) to the moments by rotations of a ``block``."""
+    trace = part[0, 0] + part[1, 1] + part[2, 2]
     for j in range(3):
         for k in range(3):
             block[3 + j, 3 + k] += share * (part[k, j] if transposed else part[j, k])

@@ -134,7 +134,8 @@ def pushes(
         way = np.array([math.cos(turn), math.sin(turn), 0.0])
         if push := _push(assembly, loads, way):
             found.append(push)
-            tell(f"falls at {push.acceleration:.4g} g towards ({way[0]:.3g}, {way[1]:.3g})")
+            x, y, _ = push.direction
+            tell(f"falls at {push.acceleration:.4g} g towards ({x:.3g}, {y:.3g})")
     return tuple(found)
 
 

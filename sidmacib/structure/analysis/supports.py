@@ -7,9 +7,9 @@ mechanism that follows the support. Its blocks are then followed as they move, s
 `sidmacib.structure.analysis.kinematics`, until no forces balance their weight. Joints are rigid and
 dry.
 
-In the static model the support becomes a free piece on a spring much
-stiffer than the joints, to ground, and the force that moves the spring by as much is the load. The
-path follows the history of friction.
+In the static model the support becomes a free piece on a spring to ground, much stiffer than the
+joints, and the force that moves the spring by as much is the load. The path follows the history of
+friction.
 """
 
 from collections.abc import Iterator, Sequence
