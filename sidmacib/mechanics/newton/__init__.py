@@ -56,14 +56,6 @@ def start_at(here):
 
 
 @compiled
-def begin(here, start):
-    """Put into ``start`` where ``here`` is."""
-    start.unknowns[:] = here.unknowns
-    start.turn[:] = here.turn
-    start.apart[:] = here.apart
-
-
-@compiled
 def stepped(contacts, slip, whole, target, here, start, step, share):
     """Put ``here`` a fraction of ``step`` after ``start``, a `Start`; see `unbalanced`."""
     advance(contacts, here, start, step, share)
@@ -90,7 +82,7 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
     """
     (floor, allowed, largest_step), (least_share, most_far), far = limits, patience, 0
     size = put_at(contacts, slip, whole, target, here, guess)
-    start, step = start_at(here), np.empty_like(here.unknowns)
+    step = np.empty_like(here.unknowns)
     best, stalled = size, 0
     for _ in range(STEPS):
         if size <= allowed:
@@ -107,8 +99,7 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
         far += not norm(step) <= largest_step  # true for NaN as well
         if far > most_far:
             break
-        before, share = size, 2.0
-        begin(here, start)
+        before, share, start = size, 2.0, start_at(here)
         while share == 2.0 or (size > before and share > least_share):
             share /= 2.0
             size = stepped(contacts, slip, whole, target, here, start, step, share)
@@ -117,7 +108,6 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
     return False
 
 
-@compiled
 def equilibrium(contacts, matrix, here, target, guess, slip, whole, limits):
     """`newton`, at first with little patience; returns whether equilibrium was found."""
     nodes = target, guess, slip, whole, limits
@@ -139,7 +129,7 @@ def controlled(bordered, matrix, here, loads, guess, load, moved, slip, whole, l
     target = Applied(np.empty_like(permanent.wrench), np.empty_like(permanent.levers))
     put_raised(target, permanent, raised, load)
     left = put_at(bordered, slip, whole, target, here, guess)
-    start, pull, step = start_at(here), np.empty(size), np.empty(size + 1)
+    pull, step = np.empty(size), np.empty(size + 1)
     for _ in range(STEPS):
         ahead = moved
         for i in range(size):
@@ -158,8 +148,7 @@ def controlled(bordered, matrix, here, loads, guess, load, moved, slip, whole, l
         step[:size], step[size] = here.residual, ahead
         if not solve_linear(bordered, matrix, step) or not norm(step[:size]) <= largest_step:
             break
-        begin(here, start)
-        before, share, at = left, 2.0, load
+        before, share, at, start = left, 2.0, load, start_at(here)
         while share == 2.0 or (left > before and share > QUICK[0]):
             share /= 2.0
             load = at + share * step[size]

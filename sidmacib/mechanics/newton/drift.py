@@ -10,7 +10,7 @@ is one nearby, with friction that follows the way there.
 import numpy as np
 
 from sidmacib.mechanics.compilation import compiled
-from sidmacib.mechanics.newton import QUICK, STEPS, begin, put_at, start_at, stepped
+from sidmacib.mechanics.newton import QUICK, STEPS, put_at, start_at, stepped
 from sidmacib.mechanics.newton.faces import put_slips
 from sidmacib.mechanics.newton.linear import negative_pivots, solve_linear
 from sidmacib.mechanics.newton.stiffness import tangent_stiffness
@@ -39,9 +39,9 @@ def settled(contacts, matrix, here, target, guess, slip, whole, limits):
     """
     drag, floor, allowed, most = limits
     put_at(contacts, slip, whole, target, here, guess)
-    rest, drift = start_at(here), np.empty_like(guess)
+    drift = np.empty_like(guess)
     for _ in range(DRIFTS):
-        begin(here, rest)
+        rest = start_at(here)
         enough = max(allowed, NEARLY * norm(here.residual)) if drag > floor else allowed
         tries = drifted(contacts, matrix, here, target, slip, whole, drift, (drag, enough, most))
         if not farthest(here.unknowns, guess) <= most or drag > MOST_DRAG * limits[0]:
@@ -73,7 +73,7 @@ def drifted(contacts, matrix, here, target, slip, whole, drift, limits):
     of steps of Newton's method, `TRIES` where it fails.
     """
     drag, allowed, most = limits
-    start, step, before = start_at(here), np.empty_like(drift), np.empty_like(drift)
+    step, before = np.empty_like(drift), np.empty_like(drift)
     drift[:] = 0.0
     left = norm(here.residual)
     for tries in range(1, TRIES):
@@ -83,7 +83,7 @@ def drifted(contacts, matrix, here, target, slip, whole, drift, limits):
         solved = solve_linear(contacts, matrix, step)
         if not (solved and farthest(step, np.zeros_like(step)) <= most):
             break
-        begin(here, start)
+        start = start_at(here)
         before[:] = drift
         share, last = 2.0, left
         while share == 2.0 or (left > last and share > QUICK[0]):
@@ -113,7 +113,7 @@ def pushed(contacts, matrix, here, target, guess, slip, whole, drag, most):
     As far as ``most`` (m) in one unknown. Where nothing resists, every step is long.
     """
     put_at(contacts, slip, whole, target, here, guess)
-    start, step = start_at(here), np.empty_like(here.unknowns)
+    step = np.empty_like(here.unknowns)
     for _ in range(STEPS):
         tangent_stiffness(contacts, slip, whole, target, here, drag, matrix)
         step[:] = here.residual
@@ -122,7 +122,7 @@ def pushed(contacts, matrix, here, target, guess, slip, whole, drag, most):
         longest = farthest(step, np.zeros_like(step))
         if not np.isfinite(longest):
             break
-        begin(here, start)
+        start = start_at(here)
         left = most - farthest(here.unknowns, guess)
         if longest >= left:
             stepped(contacts, slip, whole, target, here, start, step, left / longest)

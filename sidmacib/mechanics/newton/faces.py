@@ -201,8 +201,10 @@ def advance(contacts, here, start, step, share):
             moved = times(move[piece], column) if contacts.finite else (0.0, 0.0, 0.0)
             for j in range(3):
                 here.turn[piece, j, k] = column[j] + move[piece, j, k] + moved[j]
-    here.apart[:] = start.apart
     for face in range(len(contacts.begin)):
+        for row in range(3):
+            for k in range(3):
+                here.apart[face, row, k] = start.apart[face, row, k]
         for side in range(2):
             i = contacts.begin[face, side]
             if i >= 0:

@@ -5,7 +5,7 @@
 import numpy as np
 
 from sidmacib.mechanics.compilation import compiled
-from sidmacib.mechanics.newton import STEPS, begin, put_at, start_at, stepped
+from sidmacib.mechanics.newton import STEPS, put_at, start_at, stepped
 from sidmacib.mechanics.newton.linear import solve_linear
 from sidmacib.mechanics.newton.stiffness import tangent_stiffness
 from sidmacib.mechanics.newton.vectors import farthest
@@ -52,7 +52,7 @@ def least_energy(contacts, matrix, here, target, guess, slip, whole, limits):
     """
     stiffness, floor, allowed, far = limits
     size = put_at(contacts, slip, whole, target, here, guess)
-    start, step = start_at(here), np.empty_like(here.unknowns)
+    step = np.empty_like(here.unknowns)
     for _ in range(STEPS):
         if not farthest(here.unknowns, guess) <= far:  # true for NaN as well
             break
@@ -64,7 +64,7 @@ def least_energy(contacts, matrix, here, target, guess, slip, whole, limits):
             break
         steepest, part, tried = product(here.residual, step), 1.0, 0
         low, low_slope, high, high_slope = 0.0, steepest, np.inf, 0.0
-        begin(here, start)
+        start = start_at(here)
         while True:
             size = stepped(contacts, slip, whole, target, here, start, step, part)
             slope, tried = product(here.residual, step), tried + 1
