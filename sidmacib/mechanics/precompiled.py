@@ -37,7 +37,6 @@ def signatures() -> dict[Any, Signature]:
     return {
         stiffness.whole_faces: (contacts, here),
         newton.elastic: (*solved, row, float64),
-        newton.equilibrium: (*solved, *nodes, three),
         drift.settled: (*solved, *nodes, four),
         newton.controlled: (*solved, *controlled, three),
         drift.pushed: (*solved, *nodes, float64, float64),
