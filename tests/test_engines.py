@@ -207,6 +207,15 @@ def test_joints_have_the_static_models_peak_and_weights(
     assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.01)
 
 
+def test_stiff_rough_dry_faces_do_not_slip_as_the_load_is_raised(tmp_path: Path) -> None:
+    """With the usual rate of loading YADE had 137.9 N; an own solver has 151.00 N."""
+    stiff = replace(DRY, normal_stiffness=1e13, shear_stiffness=1e13)
+    problem = loaded(Joint(5, dry=stiff), float("inf"), 0.02, NodeLayout.VERTICES)
+    first = found("yade", tmp_path, problem, Numerics())["first_failure_load_N"]
+    assert first == pytest.approx(151.00, rel=2e-3)
+    assert first == pytest.approx(static_peak(*problem).first_failure_load, rel=2e-3)
+
+
 @pytest.mark.parametrize("times", [1.0, 100.0])
 def test_a_broken_column_stands_only_where_it_turns_little(engine: str, run, times: float) -> None:
     # With the usual stiffness it turns by 8 degrees in the static model's next equilibrium.

@@ -77,7 +77,8 @@ def test_strength_and_area_scale_loads(size: float, strength: float, eccentricit
 
 
 def test_a_weak_cut_fails_before_the_locks_under_torque() -> None:
-    joint = joint_of(9, H=0.012, dry=replace(SMOOTH, normal_stiffness=3e8))
+    stiff = replace(INNER, normal_stiffness=1e13, shear_stiffness=1e13)
+    joint = joint_of(9, H=0.012, inner=stiff, dry=replace(SMOOTH, normal_stiffness=3e11))
     assert failure(joint, math.inf).utilisation.max() < 0.99
     assert failure(joint, 0.0).utilisation.max() == pytest.approx(1.0, abs=1e-4)
 

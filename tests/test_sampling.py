@@ -45,8 +45,14 @@ def test_joints_lie_within_the_spans_and_fill_them() -> None:
         ([j.a / j.b for j in joints], section.a_over_b),
         ([j.h / j.b for j in joints], section.h_over_b),
         ([j.H / j.b for j in joints], section.H_over_b),
-        ([j.inner.shear_stiffness / 1e10 for j in joints], section.shear_over_normal),
-        ([j.dry.normal_stiffness / 1e10 for j in joints], section.dry_over_inner),
+        (
+            [j.inner.shear_stiffness / j.inner.normal_stiffness for j in joints],
+            section.shear_over_normal,
+        ),
+        (
+            [j.dry.normal_stiffness / j.inner.normal_stiffness for j in joints],
+            section.dry_over_inner,
+        ),
     ):
         place = np.log(np.array(values) / low) / np.log(high / low)
         assert place.min() >= -1e-12
@@ -65,7 +71,7 @@ def test_even_joints_are_pushed_both_ways_and_odd_ones_one() -> None:
 
 def test_elastic_pieces_and_softening_bonds_are_sampled_too() -> None:
     elastic = joints_of(16, stiffness_ratio=[1, 1000])
-    ratios = [one.joint.elastic.young / (1e10 * 0.05) for one in elastic if one.joint.elastic]
+    ratios = [one.joint.stiffness_ratio for one in elastic]
     assert len(ratios) == 16
     assert 1.0 <= min(ratios) < 3.0
     assert 300.0 < max(ratios) <= 1000.0

@@ -5,7 +5,8 @@ table: one row for each joint and direction, loads over T0.
 
 Any part of a sampling can be made alone, so batches do not depend on each other. Sizes are relative
 to the width b of a lock, stiffnesses to the normal stiffness of inner faces, pressures to the
-cohesion: first failures over T0 depend on nothing else except the weight, which is small.
+cohesion: first failures over T0 depend on nothing else except the weight, which is small, where
+blocks hardly move, as on faces so stiff as these.
 """
 
 import math
@@ -35,6 +36,7 @@ from workflow.step import Arguments, FileLists, Files, step
 Limits = tuple[float, float]
 DIMENSIONS = 13
 POISSON = 0.2
+HARDLY = 1e-6  # cohesion over (Kn b), at most: so that blocks hardly move before they fail
 BELOW = 0.999  # of a side: a mesh must be less than the side
 # Without the spread of the static model's peaks, which would take longer than all else.
 SOLVED = {"static": static.solve_once, "limit": limit.solve}
@@ -97,7 +99,7 @@ def _joint(sampling: SamplingSection, base: Joint, number: int, place: list[floa
         energy = energy_ratio * base.inner.cohesion**2 / (2.0 * sized.inner.shear_stiffness)
     if sampling.stiffness_ratio is not None:
         stiffness = _between(sampling.stiffness_ratio, last)
-        elastic = Elastic(stiffness * base.inner.normal_stiffness * base.b, POISSON)
+        elastic = Elastic(stiffness * sized.inner.normal_stiffness * base.b, POISSON)
     joint = replace(
         sized,
         locks=locks,
@@ -113,9 +115,13 @@ def _joint(sampling: SamplingSection, base: Joint, number: int, place: list[floa
 def with_ratios(
     base: Joint, a: float, h: float, height: float, shear: float, dry: float, friction: float
 ) -> Joint:
-    """``base`` with other ratios: a, h and H over b, inner Ks and dry stiffness over inner Kn."""
-    normal = base.inner.normal_stiffness
+    """``base`` with other ratios: a, h and H over b, inner Ks and dry stiffness over inner Kn.
+
+    Inner Kn is at least that of blocks that hardly move.
+    """
+    normal = max(base.inner.normal_stiffness, base.inner.cohesion / (HARDLY * base.b))
     ratios = {
+        "normal_stiffness": normal,
         "a": base.b * a,
         "h": base.b * h,
         "H": base.b * height,

@@ -5,10 +5,10 @@ from functools import lru_cache
 
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading, posed
-from sidmacib.joint.pieces import APART
+from sidmacib.joint.pieces import APART, FAR
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.solution import Equilibrium, Mode, StaticSolution
-from sidmacib.mechanics.static import MOST_ROTATION, static_peak
+from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
 
@@ -20,11 +20,12 @@ KEPT = 64  # answers: what a page asks about one joint
 
 @dataclass(frozen=True)
 class JointAnswer:
-    """What the static model answers for a joint along a direction, on the fine mesh.
+    """What the static model answers for a ``joint`` along a direction, on the fine mesh.
 
     ``solution``: its path to the lowest peak that is found, on the pieces of ``assembly``.
     """
 
+    joint: Joint
     assembly: Assembly
     solution: StaticSolution
 
@@ -47,9 +48,12 @@ class JointAnswer:
         which = "lowest peak found" if self.solution.spread else "peak"
         if self.solution.mode is Mode.APART:
             return f"{which}; beyond it locks come apart by over {100 * APART:g} % of their height"
-        if self._at_first_failure.rotation > MOST_ROTATION:
+        at = self._at_first_failure
+        fails = self.solution.mode is Mode.BONDS or at.load < self.load
+        if fails and at.moved > FAR * self.joint.b:
             return (
-                f"{which}; pieces turn by over 2 degrees before a bond fails: too soft to rely on"
+                f"{which}; blocks move by over {100 * FAR:g} % of a lock's width before a bond "
+                "fails: too soft to rely on"
             )
         return f"{which}; beyond it pieces turn by over 2 degrees" if self.solution.turns else which
 
@@ -81,7 +85,7 @@ def joint_answer(joint: Joint, loading: Loading) -> JointAnswer:
     `sidmacib.errors.CapacityError` if it has none.
     """
     problem = posed(joint, loading, meshes(joint)[1])
-    return JointAnswer(problem.assembly, lowest_peak(*problem))
+    return JointAnswer(joint, problem.assembly, lowest_peak(*problem))
 
 
 def joint_mesh_error(joint: Joint, loading: Loading) -> float | None:

@@ -23,13 +23,13 @@ from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.rule import (
     MOVES,
-    PATH,
     SPANS,
     JointFailure,
     below_meshes,
     first_failure,
     law,
     margin_of,
+    path_of,
     safe,
     spans_of,
     weak_failures,
@@ -122,7 +122,7 @@ def joint_note(case: Case, command: str) -> str:
         difference=below_meshes(loads),
         safe_load=safe(weak, direction, push).load,
         whole=law(weak, direction, push).load,
-        path_margin=PATH,
+        path_margin=path_of(case.joint),
         of_strengths=safe(weakened(weak, case.reliability.partial_factor), direction, push).load,
         checks=[*_checks(case, resistance)],
         command=command,

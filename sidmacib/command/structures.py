@@ -187,7 +187,9 @@ def _limits(demand: Demand, limit: Limit, tell: Tell) -> Iterator[Row]:
     try:
         with naming_permanent(problem.loads):
             sliding = sliding_limit(*problem, limit)
-        yield _row(demand, "limit, no dilation", sliding.state.load, sliding.note)
+        yield _row(
+            demand, "limit, no dilation", sliding.state.load, "sliding does not open the joints"
+        )
     except CapacityError as failure:
         yield _row(demand, "limit, no dilation", None, reason(failure))
 

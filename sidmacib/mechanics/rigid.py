@@ -20,7 +20,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import NORMAL
 from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units, soft_law
-from sidmacib.mechanics.newton import controlled, elastic, equilibrium, put_at
+from sidmacib.mechanics.newton import PATIENT, QUICK, controlled, elastic, newton, put_at
 from sidmacib.mechanics.newton.drift import falling_ways, pushed, settled
 from sidmacib.mechanics.newton.faces import (
     Applied,
@@ -31,7 +31,13 @@ from sidmacib.mechanics.newton.faces import (
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.newton.linear import Matrix
 from sidmacib.mechanics.newton.stiffness import whole_faces
-from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, Solver, lifted_part
+from sidmacib.mechanics.solution import (
+    LARGEST_STEP,
+    Equilibrium,
+    Solver,
+    farthest_motion,
+    lifted_part,
+)
 
 Graph = dict[int, set[int]]  # pieces and those that they touch
 # Unbalanced force over the loads, at equilibrium; and where faces are so stiff that they carry the
@@ -227,7 +233,8 @@ class RigidSolver(Solver):
         begin, slip = self._inside(guess * self.units), components(state.slip).copy()
         here, solved = self.here, (self.contacts, self.matrix, self.here, target)
         limits = self.floor, allowed, self.largest_step
-        found = equilibrium(*solved, begin, slip, state.whole, limits)
+        nodes = begin, slip, state.whole, limits
+        found = newton(*solved, *nodes, QUICK) or newton(*solved, *nodes, PATIENT)
         if found and self.finite:
             found = float(np.abs(here.unknowns - begin).max()) <= LEAP * self.size
             found = found and not (self.careful and self._falls(target, slip, state.whole))
@@ -271,11 +278,11 @@ class RigidSolver(Solver):
         displacement = float(self.load @ here.unknowns)
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
-        rotation = float(np.linalg.norm(unknowns.reshape(-1, RIGID)[:, 3:], axis=1).max())
+        rotation, moved = farthest_motion(unknowns)
         if self.finite:
             rotation = 2.0 * math.atan(rotation / 2.0)
         far = -float(here.moved[0].min()), float(here.moved[0].max())
-        return Equilibrium(load, unknowns, displacement, force.T, after, rotation, *far)
+        return Equilibrium(load, unknowns, displacement, force.T, after, rotation, moved, *far)
 
     def stable(self, point: Equilibrium) -> bool:
         """Whether the pieces return to ``point`` where they are moved a little."""

@@ -10,7 +10,7 @@ before. Sliding then opens next to nothing. Rounds end when the load no longer c
 The load that they end with is one at which the structure moves with sliding that does not dilate.
 Such loads are not unique, and this one is no strict bound: it lies below the associated load, and
 above or below what a path of loading with its history of friction reaches. Rounds that alternate
-take ever smaller steps; where they do not settle even so, the lowest load of the last ones counts.
+take ever smaller steps; where they do not settle even so, there is no answer.
 """
 
 from dataclasses import dataclass
@@ -29,8 +29,8 @@ SHORTER = 0.7  # its factor after a round in which the load turned back, else it
 LEAST_WEIGHT, MOST_WEIGHT = 0.05, 1.0  # of it
 SLIDING_ROUNDS = 30  # at most
 SLIDING_SETTLED = 3e-4  # change of the load over itself in one round
-LAST = 10  # rounds of which the lowest load counts where they have not
-ALIKE = 3e-3  # over it, by which these may differ before all `SLIDING_ROUNDS` are done
+LAST = 10  # rounds in a row whose loads differ by no more than
+ALIKE = 3e-3  # over the lowest, which then counts, have settled too
 OFF_CONE = 0.02  # largest shear beyond friction at the end, over the largest normal force
 MOST_NODES = 6000  # of an assembly: the rounds of a larger one take many minutes
 WITHOUT_DILATION = "limit analysis without dilation"
@@ -38,23 +38,11 @@ WITHOUT_DILATION = "limit analysis without dilation"
 
 @dataclass(frozen=True)
 class SlidingLimit:
-    """The limit state of sliding without dilation, and that of associated friction.
-
-    ``highest``: the largest load (N) of the last rounds, where these have not settled; else None.
-    """
+    """The limit state of sliding without dilation, and that of associated friction."""
 
     state: LimitState
     associated: LimitState
     rounds: int
-    highest: float | None = None
-
-    @property
-    def note(self) -> str:
-        """The assumption of the load, in words."""
-        words = "sliding does not open the joints"
-        if self.highest is None:
-            return words
-        return f"{words}; lowest of {LAST} rounds that go up to {self.highest:.4g} N"
 
 
 def sliding_limit(
@@ -64,8 +52,8 @@ def sliding_limit(
 
     ``associated``: by `limit_load` with friction, if it is known. Torque of dry faces is limited as
     there. Errors of that, and `sidmacib.errors.InfeasibleError` if the structure then does not
-    stand under its permanent loads; `sidmacib.errors.CapacityError` for too large an assembly, at
-    once.
+    stand under its permanent loads; `sidmacib.errors.SolverError` where the rounds do not settle;
+    `sidmacib.errors.CapacityError` for too large an assembly, at once.
     """
     if (nodes := len(assembly.nodes.area)) > MOST_NODES:
         raise CapacityError(
@@ -111,12 +99,15 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         last = sorted(found[-LAST:], key=lambda each: each.load)
         close = last[-1].load - last[0].load <= ALIKE * abs(last[0].load)
         if len(found) > LAST and close:
-            break
+            return SlidingLimit(last[0], associated, number)
     if len(found) == 1:
         raise SolverError(
             f"{WITHOUT_DILATION}: {SLIDING_ROUNDS} rounds find no forces that balance the weight"
         )
-    return SlidingLimit(last[0], associated, number, last[-1].load)
+    raise SolverError(
+        f"{WITHOUT_DILATION}: rounds do not settle; the last {len(last)} go from "
+        f"{last[0].load:.4g} to {last[-1].load:.4g} N"
+    )
 
 
 def _off_cone(cone: Cone, dry: Flags, force: Floats) -> float:

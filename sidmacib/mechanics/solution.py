@@ -21,8 +21,9 @@ class Equilibrium:
     ``load``: along the direction of loading, in N. ``unknowns``: of its solver, (U,), see there.
     ``displacement``: along the load, in m. ``force``: (N, 3) in N, the force of the piece below
     each node on the piece above in the frame of the face: normal (compression positive) and two
-    tangents. ``state``: of the nodes. ``rotation``: the largest of a piece, in rad; of an elastic
-    one on average. ``opening``, ``closing``: the largest of a face, at a node, in m.
+    tangents. ``state``: of the nodes. ``rotation`` (rad), ``moved`` (m): the largest rotation and
+    displacement of the centroid of a piece; of an elastic one on average. ``opening``, ``closing``:
+    the largest of a face, at a node, in m.
     """
 
     load: float
@@ -31,6 +32,7 @@ class Equilibrium:
     force: Floats
     state: NodeState
     rotation: float
+    moved: float
     opening: float
     closing: float = 0.0
 
@@ -145,6 +147,13 @@ class SmallMotions(OtherSearches):
                 f"{found.opening:.2g} m"
             )
         return found
+
+
+def farthest_motion(motion: Floats) -> tuple[float, float]:
+    """The largest rotation and displacement in a ``motion`` of pieces, (6 P,), in its units."""
+    each = motion.reshape(-1, 2, 3)
+    moved, turned = np.linalg.norm(each, axis=2).max(axis=0)
+    return float(turned), float(moved)
 
 
 def lifted_part(weight: Floats, motion: Floats) -> float:

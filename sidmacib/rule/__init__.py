@@ -22,7 +22,7 @@ import numpy as np
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Hold, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
-from sidmacib.joint.pieces import assemble, roots
+from sidmacib.joint.pieces import FAR, assemble, roots
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames, self_weight
@@ -39,7 +39,9 @@ FINEST = 6  # for dry faces so stiff that four cells may not be enough
 ELASTIC, FINE_ELASTIC = 1, 2
 SAFETY, SAFETY_ELASTIC = 1.06, 1.12  # on strengths, and on a load at which a joint slides or rocks
 SHUT = 0.7  # of the opening at which locks come apart, which differs by a quarter between meshes
-PATH = 1.01  # on a load that strengths hardly matter to: by 0.3 % it depends on the increments
+# On a load that strengths hardly matter to: by 0.3 % it depends on the increments, and of elastic
+# blocks by up to 3.4 % on the mesh, of which `law` takes the coarsest.
+PATH, PATH_ELASTIC = 1.01, 1.05
 NOTHING = 1e-6  # over the strength of a lock: a load that is none
 STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
@@ -67,6 +69,7 @@ MOVES = {
     Mode.ROCKING: "rocks before a bond fails",
     Mode.APART: "locks come apart before a bond fails",
 }
+HELD = Mode.BONDS, Mode.APART  # until there; a joint that slides or rocks moves any way at its load
 
 
 @dataclass(frozen=True)
@@ -96,8 +99,8 @@ def first_failure(
     ``cells``: along the shorter side of a lock; None for the least that suffice. ``opening``: of
     faces, at most, over that at which locks come apart. ValueError for joints that the law does not
     cover: fewer than two locks, locks that differ, joined columns, bonds with friction or without
-    strength. `CapacityError` if no pair of locks bears, or if permanent loads alone make the joint
-    fail, or nothing holds it.
+    strength. `CapacityError` if no pair of locks bears, if permanent loads alone make the joint
+    fail, if nothing holds it, or if blocks move by more than `FAR` before a bond fails.
     """
     _require_row(joint)
     if not bearing_pairs(joint, loading.push):
@@ -116,6 +119,12 @@ def first_failure(
         if failure.mode is not Mode.BONDS:
             why = "carry nothing in this direction: the upper block moves freely"
         raise CapacityError(f"law: {joint.locks} locks {why}")
+    if failure.mode in HELD and failure.point.moved > FAR * joint.b:
+        raise CapacityError(
+            f"law: blocks move by {failure.point.moved / joint.b:.2g} of a lock's width before a "
+            f"bond fails, more than {FAR:g}: faces are too soft for forces that are balanced where "
+            "blocks were built; give stiffer faces, or ask yade"
+        )
     point, nodes, order = failure.point, assembly.nodes, roots(joint, assembly)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
     used = np.maximum.reduceat(utilisation(solver.contact_law, point.state, point.force), start)
@@ -195,7 +204,10 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
     ValueError outside `SPANS`; errors of `sidmacib.rule.first_failure`.
     """
     require_covered(joint)
-    found = first_failure(joint, Loading(direction, push=push))
+    loading = Loading(direction, push=push)
+    found = first_failure(joint, loading)
+    if joint.elastic is not None and found.mode is Mode.ROCKING:  # one cell cannot rock
+        found = first_failure(joint, loading, FINE_ELASTIC)
     return capacity_of(joint, direction, found.load, found.mode)
 
 
@@ -205,19 +217,19 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
     The first failure of the joint with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The
     margin is on strengths, as where weight or a force holds a joint down a small loss of strength
     may cost much of the load. Where the joint slides or rocks first, the load is divided too, and
-    is at most the one without friction, over `PATH`, if there is one: how much friction adds to it
-    depends on the history of the contacts, and so on the mesh and the increments. Faces open by no
-    more than `SHUT` of what the law allows.
+    is at most the one without friction, over `path_of`, if there is one: how much friction adds to
+    it depends on the history of the contacts, and so on the mesh and the increments. Faces open by
+    no more than `SHUT` of what the law allows.
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
     stiff as roots. The difference between the highest and the lowest is subtracted from the lowest.
     Where friction or weight decides, a loss of strength changes little: so it is at most the load
-    of `law` divided by `PATH`.
+    of `law` divided by `path_of`.
 
     Errors of `law`. `CapacityError` too if the meshes differ too much.
     """
     loads, modes = zip(*weak_failures(joint, direction, push), strict=True)
-    most = law(joint, direction, push).load / PATH
+    most = law(joint, direction, push).load / path_of(joint)
     least = below_meshes(loads)
     if least <= 0.0:
         raise CapacityError(
@@ -255,13 +267,19 @@ def weak_failures(
             load /= margin
         if found.mode in (Mode.MECHANISM, Mode.ROCKING):
             with suppress(CapacityError):  # friction alone holds it, and is used up where it moves
-                load = min(load, first_failure(smooth, loading, cells, SHUT).load / PATH)
+                smooth_load = first_failure(smooth, loading, cells, SHUT).load
+                load = min(load, smooth_load / path_of(joint))
         yield load, found.mode
 
 
 def margin_of(joint: Joint) -> float:
     """What the safe rule divides the strengths of ``joint`` by."""
     return SAFETY if joint.elastic is None else SAFETY_ELASTIC
+
+
+def path_of(joint: Joint) -> float:
+    """What the safe rule divides a load of ``joint`` by that strengths hardly matter to."""
+    return PATH if joint.elastic is None else PATH_ELASTIC
 
 
 def spans_of(joint: Joint) -> dict[str, float]:

@@ -29,9 +29,15 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeL
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import element_edges, flexibility
 from sidmacib.mechanics.elastic.jumps import LooseNodes, OpenGaps, cholesky_factor, inverse_by
-from sidmacib.mechanics.equilibrium import RIGID, equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.newton import STEPS
-from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, Solver, lifted_part
+from sidmacib.mechanics.solution import (
+    LARGEST_STEP,
+    Equilibrium,
+    Solver,
+    farthest_motion,
+    lifted_part,
+)
 
 GIB = 2.0**30
 BYTES = 8.0  # of a number
@@ -297,6 +303,6 @@ class ElasticSolver(Solver):
         kept = force.ravel()[self.kept]
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
-        turned = np.linalg.norm(motion.reshape(-1, RIGID)[:, 3:], axis=1).max() / self.length
+        turned, moved = farthest_motion(motion)
         after, largest = state.after(opened), -float(opened[:, 0].min())
-        return Equilibrium(load, jump, along, force, after, float(turned), largest)
+        return Equilibrium(load, jump, along, force, after, turned / self.length, moved, largest)

@@ -108,13 +108,6 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
     return False
 
 
-def equilibrium(contacts, matrix, here, target, guess, slip, whole, limits):
-    """`newton`, at first with little patience; returns whether equilibrium was found."""
-    nodes = target, guess, slip, whole, limits
-    quickly = newton(contacts, matrix, here, *nodes, QUICK)
-    return quickly or newton(contacts, matrix, here, *nodes, PATIENT)
-
-
 @compiled
 def controlled(bordered, matrix, here, loads, guess, load, moved, slip, whole, limits):
     """Move ``here`` to equilibrium where the pieces have ``moved`` (m) along the raised load.
