@@ -82,6 +82,9 @@ if STUDY.campaign is not None:
     STUDY_FILES += OF_CAMPAIGN
 
 
+note_all(workflow.rules)
+
+
 rule all:
     default_target: True
     input:

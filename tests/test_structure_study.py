@@ -1,5 +1,6 @@
 """Studies of structures: their keys, their cases, and what a whole study writes."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ import pandas as pd
 import pytest
 import yaml
 from conftest import DISTINCT, ROOT
-from structures import CUBE, PUSH, example, solved
+from processes import python
+from structures import CUBE, PUSH, WEIGHT, example, solved
 
 from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary
@@ -190,3 +192,72 @@ def test_what_never_falls_is_an_answer_of_the_static_model_and_of_engines(tmp_pa
         words = f"{model}: in equilibrium up to a tilt of 180 degrees"
         assert table.loc[model, "refused"] == words
     assert table["error"].isna().all()
+
+
+OBJ = """o stone
+v 0 0 0
+v {0} 0 0
+v {0} {0} 0
+v 0 {0} 0
+v 0 0 {1}
+v {0} 0 {1}
+v {0} {0} {1}
+v 0 {0} {1}
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+"""
+
+
+def test_a_mesh_in_a_description_or_a_variant_is_part_of_the_case(tmp_path: Path) -> None:
+    """Its file counts from the folder of the configuration, wherever the study is started."""
+    inside = tmp_path / "meshes"
+    inside.mkdir()
+    blocks: dict[str, Any] = {"ground": CUBE["blocks"]["ground"]}
+    blocks["stone"] = {"file": "meshes/low.obj", "unit": "m"}
+    description = {"blocks": blocks, "interfaces": {"friction": 0.9}, "load": PUSH}
+    tall = {"blocks": {"stone": {"file": "meshes/tall.obj", "unit": "m"}}}
+    section = {"description": description, "variants": {"tall": tall}}
+    path = tmp_path / "study.yaml"
+    path.write_text(yaml.safe_dump(study_of() | {"structures": {"s": section}}))
+
+    def digests() -> dict[str, str]:
+        return {case.name: case.digest() for case in structure_cases(read_study_file(path))}
+
+    (inside / "low.obj").write_text(OBJ.format(1, 1.4))
+    (inside / "tall.obj").write_text(OBJ.format(1, 3.0))
+    before = digests()
+    (inside / "tall.obj").write_text(OBJ.format(1, 2.0))
+    between = digests()
+    assert before["s-load"] == between["s-load"]
+    assert before["s-load-tall"] != between["s-load-tall"]
+    (inside / "low.obj").write_text(OBJ.format(1, 1.2))
+    assert digests()["s-load"] != between["s-load"]
+
+
+@pytest.mark.study
+def test_a_results_folder_knows_what_it_was_made_from_wherever_it_is(tmp_path: Path) -> None:
+    """Under another path, without Snakemake's notes, copied, with a damaged record."""
+    blocks, config = tmp_path / "blocks.yaml", tmp_path / "study.yaml"
+    config.write_text("structures: {t: {file: blocks.yaml}}\nmodels: [static]\ndem: {engines: []}")
+
+    def load(results: str, friction: float) -> float:
+        text = CUBE | {"interfaces": {"friction": friction}, "load": PUSH}
+        blocks.write_text(yaml.safe_dump(text))
+        command = "-m", "workflow", "study", "study.yaml", f"--results={results}"
+        python(*command, cwd=tmp_path, check=True, PYTHONPATH=str(ROOT))
+        table = read_table(STRUCTURES, tmp_path / results / "tables/structures.csv")
+        return float(table["load_N"].iloc[0])
+
+    assert load("one", 0.1) == pytest.approx(0.1 * WEIGHT, rel=2e-3)
+    assert load(str(tmp_path / "one"), 0.2) == pytest.approx(0.2 * WEIGHT, rel=2e-3)
+    shutil.rmtree(tmp_path / ".snakemake")
+    assert load("one", 0.3) == pytest.approx(0.3 * WEIGHT, rel=2e-3)
+    shutil.copytree(tmp_path / "one", tmp_path / "two")
+    assert load("two", 0.4) == pytest.approx(0.4 * WEIGHT, rel=2e-3)
+    record = tmp_path / "two/structures/static/t/records.jsonl"
+    record.write_text(record.read_text()[:400])
+    assert load("two", 0.4) == pytest.approx(0.4 * WEIGHT, rel=2e-3)

@@ -57,13 +57,15 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
 def forget_failures(results: Path, *, every: bool) -> None:
     """Remove the records of cases without a result, so that the next run tries them again.
 
-    Those that an engine broke down in, or ``every`` one.
+    Those that an engine broke down in, or ``every`` one; and records that were cut short.
     """
     records = [mark.with_name(RECORD) for mark in results.rglob(BROKE_DOWN)]
-    if every:
-        found = (*results.rglob(RECORD), *results.rglob(BATCH_RECORDS))
-        # Of a case without an error, and a line that is not cut short.
-        records += [path for path in found if not all(map(NO_ERROR.search, path.open()))]
+    for path in (*results.rglob(RECORD), *results.rglob(BATCH_RECORDS)):
+        if not path.read_bytes().endswith(b"}\n"):
+            print(f"{path}: damaged, not a whole record; its cases run again", file=sys.stderr)
+            records.append(path)
+        elif every and not all(map(NO_ERROR.search, path.open())):
+            records.append(path)
     for path in records:
         path.unlink(missing_ok=True)
 

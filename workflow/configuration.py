@@ -86,24 +86,37 @@ def with_installed_engines(study: Study) -> Study:
 
 
 def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
-    """``config`` with the descriptions from the files of its structures, relative to ``path``."""
+    """``config`` with the descriptions of its structures, and blocks from mesh files, as values.
+
+    Files are relative to the one that names them: ``path``, or the file of a structure.
+    """
     structures = config.get("structures")
     if not isinstance(structures, Mapping):
         return config
     from sidmacib.structure.files.structure_file import with_bodies  # noqa: PLC0415 (polygons take long to import)
 
     read = {**structures}
-    for name, section in structures.items():
-        if isinstance(section, Mapping) and isinstance(file := section.get("file"), str):
-            key = f"{path}: structures.{shown_key(name)}"
+    for name, given in structures.items():
+        if not isinstance(given, Mapping):
+            continue
+        key, own = f"{path}: structures.{shown_key(name)}", path
+        read[name] = section = {**given}
+        if isinstance(file := section.get("file"), str):
             if "description" in section:
                 raise ConfigError(f"{key}: file and description are both given; give only one")
-            beside = path.parent / file
+            own = path.parent / file
             try:
-                description = with_bodies(read_yaml(beside), beside.parent)
+                section["description"] = with_bodies(read_yaml(own), own.parent)
             except ValueError as error:
                 raise ConfigError(f"{key}.file: {file}: {error}") from None
-            read[name] = {**section, "description": description}
+        variants = section.get("variants")
+        try:
+            section |= {"description": with_bodies(section.get("description"), own.parent)}
+            if isinstance(variants, Mapping):
+                within = {which: with_bodies(of, own.parent) for which, of in variants.items()}
+                section["variants"] = within
+        except ValueError as error:
+            raise ConfigError(f"{key}: {error}") from None
     return {**config, "structures": read}
 
 

@@ -6,12 +6,17 @@ nothing is listed by hand. A module counts by its compiled code, which Python ke
 layout do not matter, and another version of Python runs everything again.
 """
 
+import atexit
 import ctypes
 import hashlib
+import json
 import os
+import shutil
 import signal
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.machinery import SourceFileLoader
 from importlib.util import resolve_name
@@ -25,6 +30,7 @@ import __main__
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("sidmacib", "workflow", "analysis", "studies")
+NOTE = "note"  # input of each job: what is asked of it
 IMPORT = opmap["IMPORT_NAME"]
 PR_SET_PDEATHSIG = 1
 
@@ -71,7 +77,33 @@ def _paths(files: Any) -> dict[str, Any]:
     return {
         name: Path(value) if isinstance(value, str) else [Path(path) for path in value]
         for name, value in files.items()
+        if name != NOTE
     }
+
+
+def noted(path: Path, asked: Mapping[str, Any], runs: bool) -> str:
+    """A file with a digest of what is ``asked`` of a job: ``path``, where that is there.
+
+    Else it is written, so that it is newer than what the job made; elsewhere, and for this process
+    only, unless the study ``runs``.
+    """
+    text = _digest(json.dumps(asked, sort_keys=True, default=repr).encode()) + "\n"
+    with suppress(OSError):
+        if path.read_text() == text:
+            return str(path)
+    if not runs:
+        path = Path(_scratch(), *path.parts[path.is_absolute() :])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    return str(path)
+
+
+@cache
+def _scratch() -> str:
+    """A folder that is removed at the end of this process."""
+    folder = tempfile.mkdtemp(prefix="multilock-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 @cache

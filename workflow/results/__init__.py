@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from sidmacib.errors import ResultError
 from sidmacib.problem import Outcome, Problem, checked_share
 from sidmacib.quantities import rounded
 from sidmacib.validation import dataclass_from
@@ -133,8 +134,18 @@ def record_of(
 
 
 def read_records(paths: Sequence[Path]) -> list[Record[Any]]:
-    """All records in files that hold one per line."""
-    return [Record.from_json(line) for path in paths for line in path.read_text().splitlines()]
+    """All records in files that hold one per line.
+
+    `sidmacib.errors.ResultError` that names a file which does not.
+    """
+    found: list[Record[Any]] = []
+    for path in paths:
+        try:
+            found += map(Record.from_json, path.read_text().splitlines())
+        except (ValueError, KeyError, TypeError) as error:
+            fault = f"{type(error).__name__}: {error}"
+            raise ResultError(f"{path}: damaged, not the record of a case ({fault})") from None
+    return found
 
 
 def rounded_or_none(value: float | None) -> float | None:

@@ -4,7 +4,7 @@ import math
 import os
 import re
 
-from workflow.step import code_digest
+from workflow.step import NOTE, code_digest, noted
 from workflow.command import lock
 
 CAPTIONS = {  # of files in the report of Snakemake, by suffix
@@ -15,6 +15,8 @@ CAPTIONS = {  # of files in the report of Snakemake, by suffix
 SUMMARY_INPUTS, REPORT_INPUTS = {}, {}  # tables of the summary and the report
 RETRIES = 2  # as in profiles/slurm
 TIME_LIMIT = math.ceil(STUDY.dem.time_limit)  # s, of an engine in each case
+NOTES = "notes"  # folder of what was asked of each job
+NOTED = {}  # their paths
 LOCKS = []  # of the results folder, held until this process ends
 
 # A limit for clusters: with it, Snakemake polls once a second for each job that has ended.
@@ -72,6 +74,30 @@ def asks(resources_of):
         return int(workflow.is_main_process or attempt > RETRIES)
 
     return {"mem_mb": mem_mb, "runtime": runtime, "last_try": last_try, "abreast": 1}
+
+
+def note_all(rules):
+    """Give each job of ``rules`` an input more: a file below the results that says what it asks.
+
+    Snakemake's own notes of parameters and code are in the working directory, by paths as typed;
+    without them it looks at times of files only. These are with the results: one is written again,
+    and so newer than its outputs, where what is asked has changed.
+    """
+    for each in rules:
+        if each.params:
+            params = dict(each.params.items())
+            each.set_input(**{NOTE: functools.partial(_note, each.name, params)})
+
+
+def _note(name, params, wildcards):
+    # In a folder of its own: in those that it has looked into Snakemake takes no file for there
+    # that was written since.
+    path = below(os.path.join(NOTES, name, *wildcards, NOTE))
+    if workflow.is_main_process and path not in NOTED:
+        asked = {key: of(wildcards) if callable(of) else of for key, of in params.items()}
+        runs = workflow.executor_plugin is not None and not workflow.dryrun  # not only looked at
+        NOTED[path] = noted(Path(path), asked, runs)
+    return NOTED.get(path, path)
 
 
 onstart:
