@@ -25,14 +25,13 @@ from sidmacib.rule import (
     MOVES,
     SPANS,
     JointFailure,
-    below_meshes,
     first_failure,
     law,
     margin_of,
     path_of,
     safe,
     spans_of,
-    weak_failures,
+    weak_failure,
     weakened,
 )
 from sidmacib.rule.reliability import (
@@ -91,7 +90,7 @@ def joint_note(case: Case, command: str) -> str:
         found = characteristic(joint, direction, variation, push)
         weak = weakened(joint, found.margin)
         lost = first_failure(weak, Loading(direction, push=push))
-        scatter = Scatter(lost.load, lost.utilisation / found.margin, variation)
+        scatter = Scatter(lost.load, lost.bonds / found.margin, variation)
         fractile = {
             "deviation": log_deviation(variation),
             "survival": scatter.survival(lost.load),
@@ -99,7 +98,7 @@ def joint_note(case: Case, command: str) -> str:
             "margin": found.margin,
         }
     state = first_failure(joint, Loading(direction, push=push))
-    loads = [load for load, _ in weak_failures(weak, direction, push)]
+    failure = weak_failure(weak, direction, push)
     ratio = direction.eccentricity
     load = f"V at e = {ratio:g} a = {1e3 * ratio * joint.a:g} mm, so M = V e"
     if math.isinf(ratio):
@@ -118,8 +117,8 @@ def joint_note(case: Case, command: str) -> str:
         first=state.load,
         moves=MOVES.get(state.mode, ""),
         fractile=fractile,
-        loads=loads,
-        difference=below_meshes(loads),
+        loads=failure.loads,
+        difference=failure.load,
         safe_load=safe(weak, direction, push).load,
         whole=law(weak, direction, push).load,
         path_margin=path_of(case.joint),

@@ -12,7 +12,7 @@ safe load relative to its first failure.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -43,6 +43,7 @@ SHUT = 0.7  # of the opening at which locks come apart, which differs by a quart
 # blocks by up to 3.4 % on the mesh, of which `law` takes the coarsest.
 PATH, PATH_ELASTIC = 1.01, 1.05
 NOTHING = 1e-6  # over the strength of a lock: a load that is none
+JUST_BEFORE = 1.001  # on strengths whose bonds fail as a joint moves: they fail before
 STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 SPANS = {
@@ -79,7 +80,8 @@ class JointFailure:
     ``load``: along the direction of loading, N. ``mode``: whether a bond fails there, or the joint
     slides or rocks before one does. ``force_x``, ``force_y`` in N and ``torque`` in
     N m, across each root on the piece above it, shape (n,). ``utilisation``: largest stress over
-    strength at each root, shape (n,), all below 1 where a cut between columns fails first.
+    strength at each root, shape (n,), all below 1 where a cut between columns fails first;
+    ``cuts``: at each of these, (c,), none of a block in one piece.
     """
 
     load: float
@@ -88,6 +90,12 @@ class JointFailure:
     force_y: Floats
     torque: Floats
     utilisation: Floats
+    cuts: Floats
+
+    @property
+    def bonds(self) -> Floats:
+        """``utilisation`` of roots, then of cuts, (n + c,)."""
+        return np.concatenate([self.utilisation, self.cuts])
 
 
 @lru_cache(maxsize=256)  # law, safe rule and explorer need the same results
@@ -133,7 +141,9 @@ def first_failure(
     arm = nodes.position - middle[nodes.face]
     torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
     x, y, turned = (np.add.reduceat(each, start)[order] for each in (*force.T[:2], torque))
-    return JointFailure(float(point.load), failure.mode, x, y, turned, used[order])
+    inner = [n for n, face in enumerate(assembly.faces) if face.kind is Kind.INNER]
+    cuts = used[sorted(set(inner).difference(order))]
+    return JointFailure(float(point.load), failure.mode, x, y, turned, used[order], cuts)
 
 
 def weakened(joint: Joint, margin: float) -> Joint:
@@ -212,64 +222,102 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
 
 
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
-    """A load that ``joint`` carries, for design.
+    """A load that ``joint`` carries, for design: that of `weak_failure`.
 
-    The first failure of the joint with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The
-    margin is on strengths, as where weight or a force holds a joint down a small loss of strength
-    may cost much of the load. Where the joint slides or rocks first, the load is divided too, and
-    is at most the one without friction, over `path_of`, if there is one: how much friction adds to
-    it depends on the history of the contacts, and so on the mesh and the increments. Faces open by
-    no more than `SHUT` of what the law allows.
-
-    It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
-    stiff as roots. The difference between the highest and the lowest is subtracted from the lowest.
     Where friction or weight decides, a loss of strength changes little: so it is at most the load
     of `law` divided by `path_of`.
 
     Errors of `law`. `CapacityError` too if the meshes differ too much.
     """
-    loads, modes = zip(*weak_failures(joint, direction, push), strict=True)
+    found = weak_failure(joint, direction, push)
     most = law(joint, direction, push).load / path_of(joint)
-    least = below_meshes(loads)
-    if least <= 0.0:
+    if found.load <= 0.0:
         raise CapacityError(
-            f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
-            f"{max(loads):.4g} N; use the static model"
+            f"safe: the first failure depends too much on the mesh: from {min(found.loads):.4g} to "
+            f"{max(found.loads):.4g} N; use the static model"
         )
-    return capacity_of(joint, direction, min(least, most), modes[loads.index(min(loads))])
+    return capacity_of(joint, direction, min(found.load, most), found.mode)
 
 
-def below_meshes(loads: Sequence[float]) -> float:
-    """The lowest of the ``loads`` (N) on some meshes, less what they differ by."""
-    return min(loads) - (max(loads) - min(loads))
+@dataclass(frozen=True)
+class WeakFailure:
+    """The ``loads`` (N) with the margin of the safe rule on each of its meshes, from the coarsest.
+
+    ``mode``: how the joint fails.
+    """
+
+    loads: tuple[float, ...]
+    mode: Mode
+
+    @property
+    def load(self) -> float:
+        """The lowest of the loads (N), less what they differ by."""
+        return min(self.loads) - (max(self.loads) - min(self.loads))
 
 
-def weak_failures(
-    joint: Joint, direction: Direction, push: Push = Push.PLUS_Y
-) -> Iterator[tuple[float, Mode]]:
-    """The load (N) with the margin of the safe rule on each of its meshes, and how the joint fails.
+def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> WeakFailure:
+    """The first failure of ``joint`` with the margin of the safe rule.
 
-    From the coarsest on, whose load is an upper bound of the safe load. Errors of `law`.
+    That with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The margin is on strengths, as
+    where weight or a force holds a joint down a small loss of strength may cost much of the load.
+    Where the joint moves away first on a mesh, the loads on all are divided too. Where it slides or
+    rocks, they are at most those without friction, over `path_of`, if there are any: how much
+    friction adds depends on the history of the contacts, and so on the mesh and the increments.
+    Faces open by no more than `SHUT` of what the law allows.
+
+    Up to the first failure forces do not depend on strengths, so that what stands with weaker bonds
+    stands with these: the load is no less than the safe one with bonds that fail just before the
+    joint moves.
+
+    It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
+    stiff as roots. Errors of `law`.
     """
     require_covered(joint)
     margin, loading = margin_of(joint), Loading(direction, push=push)
     weak = weakened(joint, margin)
-    smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
-    meshes: tuple[int, ...] = (COARSE, FINE)
+    rough = _on_meshes(weak, loading)
+    modes = {each.mode for each in rough}
+    mode = min(rough, key=lambda each: each.load).mode
+
+    def way(failures: Sequence[JointFailure], divisor: float = 1.0) -> WeakFailure:
+        return WeakFailure(tuple(each.load / divisor for each in failures), mode)
+
+    if modes == {Mode.BONDS}:
+        return way(rough)
+    ways = [way(rough, margin)]
+    if not modes.isdisjoint((Mode.MECHANISM, Mode.ROCKING)):
+        smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
+        with suppress(CapacityError):  # friction alone holds it, and is used up where it moves
+            ways.append(way(_on_meshes(smooth, loading), path_of(joint)))
+    least, used = min(ways, key=lambda way: way.load), min(each.bonds.max() for each in rough)
+    if used > NOTHING:
+        with suppress(CapacityError):
+            weaker = weakened(joint, JUST_BEFORE * margin / used)
+            failing = _on_meshes(weakened(weaker, margin), loading)
+            if all(each.mode is Mode.BONDS for each in failing):
+                most = first_failure(weaker, loading).load / path_of(joint)
+                loads = tuple(min(each.load, most) for each in failing)
+                return max(least, WeakFailure(loads, mode), key=lambda way: way.load)
+    return least
+
+
+def _on_meshes(joint: Joint, loading: Loading) -> list[JointFailure]:
+    return [first_failure(joint, loading, cells, SHUT) for cells in _meshes(joint)]
+
+
+def _meshes(joint: Joint) -> tuple[int, ...]:
+    """Cells along the shorter side of a lock on the meshes of the safe rule, the coarsest first."""
     if joint.elastic is not None:
-        meshes = ELASTIC, FINE_ELASTIC
-    elif spans_of(joint)[STIFF] > STIFFER:
-        meshes = COARSE, FINE, FINEST
-    for cells in meshes:
-        found = first_failure(weak, loading, cells, SHUT)
-        load = found.load
-        if found.mode is not Mode.BONDS:
-            load /= margin
-        if found.mode in (Mode.MECHANISM, Mode.ROCKING):
-            with suppress(CapacityError):  # friction alone holds it, and is used up where it moves
-                smooth_load = first_failure(smooth, loading, cells, SHUT).load
-                load = min(load, smooth_load / path_of(joint))
-        yield load, found.mode
+        return ELASTIC, FINE_ELASTIC
+    stiff = spans_of(joint)[STIFF] > STIFFER
+    return (COARSE, FINE, FINEST) if stiff else (COARSE, FINE)
+
+
+def safe_at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> float:
+    """An upper bound (N) of the safe load, from one mesh. Errors of `law`."""
+    require_covered(joint)
+    weak = weakened(joint, margin_of(joint))
+    return first_failure(weak, Loading(direction, push=push), _meshes(joint)[0], SHUT).load
 
 
 def margin_of(joint: Joint) -> float:

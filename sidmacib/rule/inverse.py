@@ -14,7 +14,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import SIZES
-from sidmacib.rule import SPANS, weak_failures
+from sidmacib.rule import SPANS, safe_at_most
 from sidmacib.rule.reliability import DESIGN_VALUES, Reliability, design_resistance
 from sidmacib.validation import refused, require_not_negative
 
@@ -153,8 +153,7 @@ def candidate(joint: Joint, demand: Demand, push: Push = Push.PLUS_Y) -> Candida
     """``joint`` beside ``demand``: what the safe rule says of it, or why it refuses it."""
     needed, direction = demand.load(joint), demand.direction(joint)
     try:
-        most, _ = next(weak_failures(joint, direction, push))
-        most /= demand.reliability.partial_factor
+        most = safe_at_most(joint, direction, push) / demand.reliability.partial_factor
         if most < needed:
             return Candidate(joint, direction, needed, most, exact=False)
         load = design_resistance(joint, direction, demand.reliability, push).load

@@ -1,13 +1,14 @@
 """Reliability of a joint: scatter of its first failure, characteristic and design resistance.
 
-Where strengths scatter the weakest lock decides: a joint survives a load if every lock does, so it
-is weaker than one whose locks all have the mean strength. Resistances are those of EN 1990.
+Where strengths scatter the weakest bond decides: a joint survives a load if every root and every
+cut between columns does, so it is weaker than one whose bonds all have the mean strength.
+Resistances are those of EN 1990.
 
 The characteristic resistance is the load that 5 % of joints do not reach: the 5 % fractile of the
-first failure (EN 1990, 4.2). The strengths of locks are independent and lognormal (D.7.2); mean and
-coefficient of variation are known. Up to the first failure the forces do not depend on strengths,
-so the fractile is the load of a joint whose strengths are all divided by one margin, at which 95 %
-of joints survive.
+first failure (EN 1990, 4.2). The strengths of bonded faces are independent and lognormal (D.7.2);
+mean and coefficient of variation are known. Up to the first failure the forces do not depend on
+strengths, so the fractile is the load of a joint whose strengths are all divided by one margin, at
+which 95 % of joints survive.
 
 The design resistance has the partial factor on the strengths (6.3.5, expression 6.6a) or on the
 resistance (6.6c), whichever gives less, and the margin of the safe rule for the model.
@@ -51,8 +52,9 @@ NEAR = 0.01  # to 5 %: the share of joints that have failed at the load that is 
 class Scatter:
     """Loads at first failure of a joint whose locks' strengths scatter.
 
-    ``load``: for locks of mean strength, N. ``utilisation``: of each root at this load, shape (n,).
-    ``variation``: of the strengths, standard deviation over mean.
+    ``load``: for bonds of mean strength, N. ``utilisation``: of each bonded face at this load, of
+    roots and of cuts between columns, shape (F,). ``variation``: of the strengths, standard
+    deviation over mean.
     """
 
     load: float
@@ -60,7 +62,7 @@ class Scatter:
     variation: float
 
     def survival(self, load: float) -> float:
-        """Probability that no root has failed at ``load`` (N)."""
+        """Probability that no bonded face has failed at ``load`` (N)."""
         if load <= 0.0:
             return 1.0
         loaded = self.utilisation[self.utilisation > 0.0]
@@ -93,9 +95,9 @@ def scatter(
 ) -> Scatter:
     """Scatter of the first failure of ``joint`` for strengths of this coefficient of variation.
 
-    The strengths of cuts between columns do not scatter. ValueError unless the variation is above
-    0; `CapacityError` if the joint slides or rocks before a bond fails, which strengths do not
-    decide; errors of `sidmacib.law`.
+    Each root and each cut between columns has a strength of its own. ValueError unless the
+    variation is above 0; `CapacityError` if the joint slides or rocks before a bond fails, which
+    strengths do not decide; errors of `sidmacib.law`.
     """
     require_positive(variation=variation)
     require_covered(joint)
@@ -105,7 +107,7 @@ def scatter(
             f"scatter: {joint.locks} locks move away ({state.mode}) at {state.load:.4g} N, before "
             "a bond fails; their strengths do not decide"
         )
-    return Scatter(state.load, state.utilisation, variation)
+    return Scatter(state.load, state.bonds, variation)
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ def characteristic(
 
     def beyond(margin: float) -> float:
         state = at(margin)
-        scattered = Scatter(state.load, state.utilisation / margin, variation)
+        scattered = Scatter(state.load, state.bonds / margin, variation)
         return scattered.survival(state.load) - (1.0 - FIFTH_PERCENTILE)
 
     def held(margin: float) -> float:
@@ -170,8 +172,8 @@ def characteristic(
 
     margin = 1.0
     if beyond(margin) < 0.0:
-        # Suffices even where all locks are loaded to their strength.
-        share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / joint.locks)
+        # Suffices even where all bonds are loaded to their strength.
+        share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / len(at(margin).bonds))
         deviation = log_deviation(variation)
         most = 1.01 / math.exp(deviation * float(norm.ppf(share)) - deviation**2 / 2.0)
         margin = float(brentq(held, 1.0, most, xtol=ROUNDING, rtol=ROUNDING))
