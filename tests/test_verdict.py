@@ -247,6 +247,16 @@ def test_limit_analysis_decides_a_verdict_where_it_is_lower() -> None:
     assert found.note == "limit analysis decides, as it is lower: the static model has 1"
 
 
+def test_mortar_never_makes_a_no_of_a_yes(path: Path) -> None:
+    """Limit analysis with frictionless bonds had 1 kN for a cube that friction holds to 9.8 kN."""
+    for strength in (0.0, 1e3, 1e4):
+        bond = {**CUBE["interfaces"], "cohesion": strength, "tensile_strength": strength}
+        text = {**CUBE, "interfaces": bond, "load": {**PUSH, "newtons": 5000}}
+        code, found = said(path, text)
+        assert code == 0, found
+        assert found.startswith("Yes: it carries 5000 N")
+
+
 def test_where_neither_model_finds_a_limit_any_load_is_carried(path: Path) -> None:
     stiff = {**CUBE["interfaces"], "normal_stiffness": 1e15, "shear_stiffness": 1e15}
     code, found = said(path, {**CUBE, "interfaces": stiff, "load": {**DOWN, "newtons": 100}})
@@ -317,7 +327,9 @@ def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> No
     assert told == finding("it", f"{said}.", "good" if said.startswith("Yes") else "bad")
     if "load_cases" not in DEMANDED[name]:
         by_model = {row["model"]: row["factor"] for row in rows}
+        bonded = "cohesion" in str(DEMANDED[name])
         factor = min(filter(None, (by_model["limit"], by_model["static"])))
+        factor = (by_model["static"] or factor) if bonded else factor
         rows = [{"to limit": by_model["limit"], "factor": factor}]
     names = {"factor": "factor", "to limit": "limit_factor"}
     names |= {"to first failure": "first_failure_factor", "to peak": "peak_factor"}

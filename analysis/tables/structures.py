@@ -147,13 +147,17 @@ def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
     """One row for each load that is to be carried, by the static model and limit analysis."""
     known = {each.folder: each for each in records}
     cases = {each.name: each for each in records if each.part.required_N is not None}
+    bonded = {
+        each.name for each in records if any(row.bonded_share for row in each.part.interfaces)
+    }
     groups: dict[tuple[str, str], list[tuple[StructureRecord, Verdict]]] = {}
     for each in cases.values():
         static, limit = (
             _answer(known.get(f"{each.kind}/{model}/{each.name}"), model)
             for model in (REFERENCE_MODEL, "limit")
         )
-        found = verdict(each.part.required_N or 0.0, static, limit)
+        dry = each.name not in bonded
+        found = verdict(each.part.required_N or 0.0, static, limit, dry=dry)
         groups.setdefault((each.part.structure, each.variant), []).append((each, found))
     return VERDICTS.frame(
         {

@@ -1,9 +1,10 @@
 """Whether a structure carries a load, and by what factor.
 
-The lower decides of the load that counts in the static model and of limit analysis. A load within
-the mesh error of what is carried is left open. Limit analysis of dry blocks may overestimate:
-where the static model has no answer, it can say no, but not yes. Only where contact points stand
-for locks it decides alone. Both models may be asked here, or have been asked by a study.
+The lower decides of the load that counts in the static model and of limit analysis of dry blocks,
+which may overestimate: where the static model has no answer, it can say no, but not yes. Of blocks
+that are bonded it is no bound, neither above nor below: there the static model decides. A load
+within the mesh error of what is carried is left open. Only where contact points stand for locks
+limit analysis decides alone. Both models may be asked here, or have been asked by a study.
 """
 
 import math
@@ -80,13 +81,18 @@ def verdict(
     newtons: float,
     static: StaticAnswer | KeptAnswer | CapacityError,
     limit: "LimitState | KeptAnswer | CapacityError",
+    *,
+    dry: bool = True,
 ) -> Verdict:
-    """The verdict on a load of ``newtons``, by the answers of both models."""
+    """The verdict on a load of ``newtons``, by the answers of both models.
+
+    ``dry``: whether no face is bonded.
+    """
     most = None if isinstance(limit, CapacityError) else limit.load / newtons
     if not isinstance(static, CapacityError):
         found = _by_static(newtons, static, most)
         assert found.factor is not None
-        if most is None or most >= found.factor * (1.0 - LOWER):
+        if most is None or not dry or most >= found.factor * (1.0 - LOWER):
             return found
         of_static = factor_of(static.load / newtons)
         note = f"limit analysis decides, as it is lower: the static model has {of_static}"

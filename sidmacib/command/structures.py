@@ -14,6 +14,7 @@ from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY
 from sidmacib.errors import CapacityError, NoEquilibriumError
+from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
@@ -138,7 +139,9 @@ class Solved(NamedTuple):
         """On the load that is to be carried; only where the demand says how much that is."""
         newtons, limit = self.demand.newtons, self.limit
         assert newtons is not None and not isinstance(limit, LimitTilt)
-        return verdict(newtons, self.static, limit)
+        faces = self.demand.problem.assembly.faces
+        dry = not any(face.kind is Kind.INNER for face in faces)
+        return verdict(newtons, self.static, limit, dry=dry)
 
 
 def structure_rows(solved: Solved, tell: Tell = str) -> list[Row]:
