@@ -28,8 +28,9 @@ from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure
 from sidmacib.mechanics.static import Mode, static_first_failure, static_peak
 from sidmacib.problem import Problem
-from sidmacib.rule import SPANS, law, safe, spans_of
+from sidmacib.rule import law, safe
 from sidmacib.rule.reliability import scatter
+from sidmacib.rule.spans import SPANS, spans_of
 from studies.attack import search as attack
 from studies.attack.search import (
     DIMENSIONS,

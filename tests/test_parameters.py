@@ -14,7 +14,8 @@ from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
 from sidmacib.joint import INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, SIZES, unit_warnings, with_parameters
 from sidmacib.quantities import Length
-from sidmacib.rule import law, spans_of
+from sidmacib.rule import law
+from sidmacib.rule.spans import spans_of
 from workflow.configuration import read_study
 from workflow.consistency import notes
 

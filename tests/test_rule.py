@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -70,6 +70,21 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
 def test_what_is_beyond_the_study_is_refused(rule: Any, others: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         rule(Joint(**({"locks": 5} | others)), Direction(0.0))
+
+
+@dataclass(frozen=True)
+class Adhesive(FaceMaterial):
+    adhesion: float = 0.0
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
+def test_a_number_that_nobody_taught_the_rule_is_refused(rule: Any) -> None:
+    """It raised the safe load from 190 to 270 N."""
+    without = Adhesive(**vars(DRY))
+    with_it = Adhesive(**vars(DRY), adhesion=1e4)
+    assert rule(Joint(5, dry=without), Direction(0.3)) == rule(Joint(5), Direction(0.3))
+    with pytest.raises(ValueError, match=r"^dry\.adhesion: 10000\.0 is not allowed"):
+        rule(Joint(5, dry=with_it), Direction(0.3))
 
 
 def test_the_ends_of_the_spans_are_inside() -> None:

@@ -20,8 +20,9 @@ from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_weights
-from sidmacib.rule import RULES, LawCapacity, first_failure, require_covered
+from sidmacib.rule import RULES, LawCapacity, first_failure
 from sidmacib.rule.reliability import resistances
+from sidmacib.rule.spans import require_covered
 
 SYMBOLS = {"law": "x", "safe": "star", "characteristic": "diamond", "design": "circle"}
 MOST_VALUES = 41  # of a slider, that are tried

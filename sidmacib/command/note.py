@@ -23,14 +23,12 @@ from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.rule import (
     MOVES,
-    SPANS,
     JointFailure,
     first_failure,
     law,
     margin_of,
     path_of,
     safe,
-    spans_of,
     weak_failure,
     weakened,
 )
@@ -41,6 +39,7 @@ from sidmacib.rule.reliability import (
     design_resistance,
     log_deviation,
 )
+from sidmacib.rule.spans import SPANS, spans_of
 from sidmacib.scene.page import rendered
 
 TEMPLATE = Path(__file__).with_name("joint_note.html.j2")

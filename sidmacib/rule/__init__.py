@@ -6,12 +6,11 @@ integrate linear stresses exactly. Up to this load it makes no difference how bo
 
 ``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is that of a
 joint whose strengths are divided by `SAFETY`, less the change on a finer mesh, and at most that of
-``law`` divided by `PATH`. Both refuse joints outside `SPANS`, the tested ranges of the groups
-that the answer depends on. `make attack` searches inside them for the joint with the highest
-safe load relative to its first failure.
+``law`` divided by `path_of`. Both refuse joints outside `sidmacib.rule.spans.SPANS`, the tested
+ranges of the groups that the answer depends on. `make attack` searches inside them for the joint
+with the highest safe load relative to its first failure.
 """
 
-import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -20,17 +19,17 @@ from functools import lru_cache
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Hold, Joint, UpperBody
+from sidmacib.joint import Direction, Hold, Joint
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import FAR, assemble, roots
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames, self_weight
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Mode, Solver
 from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.rule.pairs import bearing_pairs
-from sidmacib.validation import refused, require_positive
+from sidmacib.rule.spans import STIFF, require_covered, require_row, spans_of
 
 # Cells along the shorter side of a lock. Two, so that dry faces may open in part; more show how far
 # a load depends on them. Elastic blocks cost more, and three nodes a side represent their bending.
@@ -44,26 +43,7 @@ SHUT = 0.7  # of the opening at which locks come apart, which differs by a quart
 PATH, PATH_ELASTIC = 1.01, 1.05
 NOTHING = 1e-6  # over the strength of a lock: a load that is none
 JUST_BEFORE = 1.001  # on strengths whose bonds fail as a joint moves: they fail before
-STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
-SPANS = {
-    "locks": (2.0, 31.0),
-    "a / b": (0.5, 12.0),
-    "h / b": (0.06, 2.0),
-    "H / b": (0.3, 6.0),
-    "shear over normal stiffness of inner faces": (0.003, 3.0),
-    "normal stiffness of dry over inner faces": (0.0005, 30.0),
-    "shear over normal stiffness of dry faces": (0.1, 10.0),
-    STIFF: (0.0, 30.0),
-    "friction": (0.0, 0.8),
-    "tensile strength over cohesion": (0.2, 50.0),
-    "weight of the upper block per area over cohesion": (0.0, 1.0),
-    "force on top per area over cohesion": (0.0, 10.0),
-    "locks of elastic blocks": (0.0, 15.0),
-    "E / (Kn b)": (5.0, math.inf),  # rigid pieces have inf
-    "Poisson's ratio": (0.0, 0.4),
-}
-STRETCH = 1e-9  # by which a span may be exceeded, for rounding
 
 MOVES = {
     Mode.MECHANISM: "slides before a bond fails",
@@ -110,7 +90,7 @@ def first_failure(
     strength. `CapacityError` if no pair of locks bears, if permanent loads alone make the joint
     fail, if nothing holds it, or if blocks move by more than `FAR` before a bond fails.
     """
-    _require_row(joint)
+    require_row(joint)
     if not bearing_pairs(joint, loading.push):
         raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
     cells = cells or (COARSE if joint.elastic is None else ELASTIC)
@@ -173,23 +153,6 @@ def _rigid(joint: Joint, cells: int) -> RigidSolver:
     return RigidSolver(assembly, Loads(weight, np.zeros_like(weight), 1.0))
 
 
-def _require_row(joint: Joint) -> None:
-    """ValueError if the law does not cover ``joint``."""
-    bond = joint.inner
-    faults = (
-        (joint.locks < 2, "locks", joint.locks, "at least 2"),
-        (bool(joint.different), "different", "locks that differ", "none"),
-        (joint.upper_body is UpperBody.JOINED, "upper_body", "joined", "columns or monolithic"),
-        (bond.friction > 0.0, "inner.friction", f"{bond.friction:g}", "0"),
-        (bond.bond_friction > 0.0, "inner.bond_friction", f"{bond.bond_friction:g}", "0"),
-        (bond.cohesion == 0.0, "inner.cohesion", 0, "more than 0"),
-        (bond.tensile_strength == 0.0, "inner.tensile_strength", 0, "more than 0"),
-    )
-    for wrong, name, value, allowed in faults:
-        if wrong:
-            raise ValueError(f"{name}: must be {allowed} for the law (got {value})")
-
-
 @dataclass(frozen=True)
 class LawCapacity:
     """A load along its direction (N), its shear V (N) and its torque M (N m).
@@ -211,7 +174,7 @@ class LawCapacity:
 def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
     """The load at which ``joint`` first fails, by the static model on coarse nodes.
 
-    ValueError outside `SPANS`; errors of `sidmacib.rule.first_failure`.
+    ValueError outside `sidmacib.rule.spans.SPANS`; errors of `sidmacib.rule.first_failure`.
     """
     require_covered(joint)
     loading = Loading(direction, push=push)
@@ -328,44 +291,6 @@ def margin_of(joint: Joint) -> float:
 def path_of(joint: Joint) -> float:
     """What the safe rule divides a load of ``joint`` by that strengths hardly matter to."""
     return PATH if joint.elastic is None else PATH_ELASTIC
-
-
-def spans_of(joint: Joint) -> dict[str, float]:
-    """The dimensionless groups of ``joint``, in the order of `SPANS`."""
-    inner, dry = joint.material_of(Kind.INNER), joint.material_of(Kind.DRY)
-    block = joint.elastic
-    require_positive(cohesion=inner.cohesion)
-    top = joint.a * joint.total_width
-    values = (
-        joint.locks,
-        *(size / joint.b for size in (joint.a, joint.h, joint.H)),
-        inner.shear_stiffness / inner.normal_stiffness,
-        dry.normal_stiffness / inner.normal_stiffness,
-        dry.shear_stiffness / dry.normal_stiffness,
-        dry.normal_stiffness * joint.h / (inner.shear_stiffness * joint.b),
-        dry.friction,
-        inner.tensile_strength / inner.cohesion,
-        joint.density * GRAVITY * (joint.h + joint.H) / inner.cohesion,
-        (joint.pressing_force or 0.0) / (top * inner.cohesion),
-        joint.locks if block else 0,
-        joint.stiffness_ratio,
-        block.poisson if block else 0.0,
-    )
-    return dict(zip(SPANS, map(float, values), strict=True))
-
-
-def require_covered(joint: Joint) -> None:
-    """ValueError if ``joint`` lies outside `SPANS`."""
-    for name, value in spans_of(joint).items():
-        low, high = SPANS[name]
-        if not low * (1.0 - STRETCH) <= value <= high * (1.0 + STRETCH):
-            allowed = f"from {low:g} to {high:g}"
-            if math.isinf(high):
-                allowed = f"at least {low:g}, or rigid"
-            short = float(f"{value:.4g}")
-            shown = int(short) if short.is_integer() else short
-            where = f"{allowed}, where the rule was tested; else use the static model"
-            raise refused(name, shown, where)
 
 
 def capacity_of(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:

@@ -14,8 +14,9 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import SIZES
-from sidmacib.rule import SPANS, safe_at_most
+from sidmacib.rule import safe_at_most
 from sidmacib.rule.reliability import DESIGN_VALUES, Reliability, design_resistance
+from sidmacib.rule.spans import SPANS
 from sidmacib.validation import refused, require_not_negative
 
 VARIED = ("locks", *SIZES)

@@ -28,15 +28,8 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.solution import Mode
-from sidmacib.rule import (
-    JointFailure,
-    LawCapacity,
-    capacity_of,
-    first_failure,
-    require_covered,
-    safe,
-    weakened,
-)
+from sidmacib.rule import JointFailure, LawCapacity, capacity_of, first_failure, safe, weakened
+from sidmacib.rule.spans import require_covered
 from sidmacib.validation import refused, require_positive
 
 # Largest distance of a quantile from the load at mean strength, in its logarithm: in standard

@@ -29,7 +29,8 @@ from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayo
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.problem import Problem
-from sidmacib.rule import SPANS, safe
+from sidmacib.rule import safe
+from sidmacib.rule.spans import SPANS
 from studies.markdown import markdown
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to
