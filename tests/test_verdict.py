@@ -247,6 +247,22 @@ def test_limit_analysis_decides_a_verdict_where_it_is_lower() -> None:
     assert found.note == "limit analysis decides, as it is lower: the static model has 1"
 
 
+def test_no_output_is_written_over_the_input(path: Path) -> None:
+    path.write_text(json.dumps({**CUBE, "load": PUSH}))
+    before = path.read_text()
+    found = run("assembly", str(path), "--capacity-curve", str(path))
+    assert found.exit_code == 2
+    assert "--capacity-curve" in found.output and "is what the command reads" in found.output
+    assert path.read_text() == before
+
+
+def test_what_a_file_does_not_say_is_said(path: Path) -> None:
+    cube = {key: value for key, value in CUBE["blocks"]["cube"].items() if key != "density"}
+    text = {"blocks": CUBE["blocks"] | {"cube": cube}, "load": PUSH}
+    assert "Note: assumed: friction 0.7, density 2000 kg/m3\n" in assembly(path, text).stderr
+    assert "assumed" not in assembly(path, {**CUBE, "load": PUSH}).stderr
+
+
 def test_mortar_never_makes_a_no_of_a_yes(path: Path) -> None:
     """Limit analysis with frictionless bonds had 1 kN for a cube that friction holds to 9.8 kN."""
     for strength in (0.0, 1e3, 1e4):
@@ -316,7 +332,7 @@ def study_of(description: dict[str, Any], **keys: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("name", DEMANDED)
 def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> None:
     file = tmp_path / "file.yaml"
-    said = assembly(file, DEMANDED[name]).output.splitlines()[0]
+    said = assembly(file, DEMANDED[name]).stdout.splitlines()[0]
     assert SAID.get(name, "") in said
     rows = json.loads(run("assembly", str(file), "--format", "json").stdout)
     records = solved(tmp_path / "study", **study_of(DEMANDED[name]))
@@ -344,7 +360,7 @@ def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> No
 
 @pytest.mark.study
 def test_the_summary_and_the_report_of_a_run_begin_with_the_verdict(tmp_path: Path) -> None:
-    said = assembly(tmp_path / "file.yaml", DEMANDED["cases"]).output.splitlines()[0]
+    said = assembly(tmp_path / "file.yaml", DEMANDED["cases"]).stdout.splitlines()[0]
     run_study(study_of(DEMANDED["cases"]), tmp_path / "results", "summary.txt", "report.html")
     assert f"it: {said}\n" in (tmp_path / "results/summary.txt").read_text()
     assert said in html.unescape((tmp_path / "results/report.html").read_text())

@@ -59,7 +59,7 @@ class Command(click.Command):
                     formatter.write_dl(records)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """As click does; `click.UsageError` for an option that is there twice."""
+        """As click does; `click.UsageError` for an option that is there twice, and see below."""
         if not ctx.resilient_parsing:  # of completion
             _, _, order = self.make_parser(ctx).parse_args(list(args))
             for option in order:
@@ -67,7 +67,19 @@ class Command(click.Command):
                 if once and order.count(option) > 1:
                     words = "is given more than once; it must be given once"
                     raise click.UsageError(f"{option.opts[0]} {words}", ctx)
-        return super().parse_args(ctx, args)
+        left = super().parse_args(ctx, args)
+        self._keep_inputs(ctx)
+        return left
+
+    def _keep_inputs(self, ctx: click.Context) -> None:
+        """`click.UsageError` where a file that is read would be written over."""
+        given = [(each, ctx.params.get(each.name or "")) for each in self.params]
+        read = {path.resolve() for each, path in given if each.type is EXISTING and path}
+        for each, path in given:
+            written = each.type is WRITTEN or isinstance(each.type, Written)
+            if written and path and path.resolve() in read:
+                words = "is what the command reads; it must be another file"
+                raise click.UsageError(f"{each.opts[-1]} {path}: {words}", ctx)
 
 
 class Written(click.Path):

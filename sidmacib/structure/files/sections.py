@@ -283,14 +283,19 @@ class StructureFile(Keys):
 
     @property
     def assumed(self) -> dict[str, str]:
-        """What blocks of meshes and their dry interfaces have though the file does not say it."""
+        """What blocks and interfaces have though the file does not say it."""
         files = [each for each in self.blocks.values() if isinstance(each, FileSection)]
         files = [each for each in files if not each.file.lower().endswith(".json")]
+        free = [
+            each
+            for each in self.blocks.values()
+            if each.fixed is not True and (each in files or not isinstance(each, FileSection))
+        ]
         laws = {"friction", "from_file"} & self.interfaces.model_fields_set
         found = {}
-        if files and not laws and not self.special:
+        if free and not laws and not self.special:
             found["friction"] = f"{INTERFACE.friction:g}"
-        if any("density" not in each.model_fields_set for each in files):
+        if any("density" not in each.model_fields_set for each in free):
             found["density"] = f"{FileSection.model_fields['density'].default:g} kg/m3"
         if any(each.length is None and not each.file.endswith(".3dm") for each in files):
             found["unit"] = "m"
