@@ -104,14 +104,13 @@ def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
         if isinstance(file := section.get("file"), str):
             if "description" in section:
                 raise ConfigError(f"{key}: file and description are both given; give only one")
-            own = path.parent / file
-            try:
-                section["description"] = with_bodies(read_yaml(own), own.parent)
-            except ValueError as error:
-                raise ConfigError(f"{key}.file: {file}: {error}") from None
+            own, key = path.parent / file, f"{key}.file: {file}"
         variants = section.get("variants")
         try:
-            section |= {"description": with_bodies(section.get("description"), own.parent)}
+            if own is not path:
+                section["description"] = read_yaml(own)
+            if "description" in section:
+                section["description"] = with_bodies(section["description"], own.parent)
             if isinstance(variants, Mapping):
                 within = {which: with_bodies(of, own.parent) for which, of in variants.items()}
                 section["variants"] = within
