@@ -176,9 +176,14 @@ def test_capacity_prints_characteristic_value_and_design_resistance() -> None:
         (["--scatter", "0.2", "--gamma-m", "1.3"], "Strengths are means with a scatter of 20 %."),
     ],
 )
-def test_the_last_line_says_what_strengths_are_taken_for(options: list[str], words: str) -> None:
-    last = run("capacity", "-n", "3", "-m", "law", *options).splitlines()[-1]
-    assert last.startswith(words)
+def test_the_last_lines_say_what_strengths_and_blocks_are_taken_for(
+    options: list[str], words: str
+) -> None:
+    asked = "capacity", "-n", "3", "-m", "law", *options
+    *_, strengths, block = run(*asked).splitlines()
+    assert strengths.startswith(words)
+    assert block.startswith("The upper block is cut into columns")
+    assert run(*asked, "--upper-body", "monolithic").splitlines()[-1].startswith(words)
 
 
 def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:

@@ -4,7 +4,7 @@ Models are imported where they are used: a solver takes longer to load than the 
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from sidmacib.engines import ENGINES
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.problem import Failures, checked_share
 from sidmacib.quantities import four_digits
@@ -160,15 +160,20 @@ def resistances(reliability: "Reliability", *, decides: bool) -> dict[str, Model
     return {name: partial(_by_rule, rule, *words[name]) for name, rule in rules}
 
 
-def meaning(reliability: "Reliability") -> str:
-    """What the strengths of a joint are taken for, in one line."""
+def meaning(reliability: "Reliability", joint: Joint) -> Iterator[str]:
+    """What the strengths and the upper block of ``joint`` are taken for, in a line each."""
     factored = reliability.partial_factor != 1.0
     if reliability.variation:
         words = f"Strengths are means with a scatter of {100.0 * reliability.variation:g} %"
-        return f"{words}." if factored else f"{words}; no gamma_M is given."
-    if factored:
-        return "Strengths are taken as characteristic values."
-    return "Strengths are taken as design values; if they are means, give --scatter and --gamma-m."
+        yield f"{words}." if factored else f"{words}; no gamma_M is given."
+    elif factored:
+        yield "Strengths are taken as characteristic values."
+    else:
+        words = "Strengths are taken as design values"
+        yield f"{words}; if they are means, give --scatter and --gamma-m."
+    if joint.upper_body is UpperBody.COLUMNS and joint.locks > 1:
+        words = "The upper block is cut into columns, as in the paper"
+        yield f"{words}; one piece: --upper-body monolithic."
 
 
 def capacity_rows(

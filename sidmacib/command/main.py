@@ -193,7 +193,7 @@ def capacity(
         say(words, form)
     click.echo(text_of(rows, form))
     if form == "table":
-        click.echo(meaning(reliability))
+        click.echo("\n".join(meaning(reliability, joint)))
     require_answer(rows)
     if not passes:
         sys.exit(1)
@@ -342,7 +342,7 @@ def inverse(
             rows = answers.candidate_rows(shown, values, prices, reliability)
             click.echo(text_of(rows, form))
         if shown and form == "table":
-            click.echo(meaning(reliability))
+            click.echo("\n".join(meaning(reliability, joint)))
         if note is not None and found is not None:
             from sidmacib.command.note import Case, write_note
 
