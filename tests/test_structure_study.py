@@ -253,11 +253,9 @@ def test_a_results_folder_knows_what_it_was_made_from_wherever_it_is(tmp_path: P
         return float(table["load_N"].iloc[0])
 
     assert load("one", 0.1) == pytest.approx(0.1 * WEIGHT, rel=2e-3)
-    assert load(str(tmp_path / "one"), 0.2) == pytest.approx(0.2 * WEIGHT, rel=2e-3)
-    shutil.rmtree(tmp_path / ".snakemake")
-    assert load("one", 0.3) == pytest.approx(0.3 * WEIGHT, rel=2e-3)
     shutil.copytree(tmp_path / "one", tmp_path / "two")
-    assert load("two", 0.4) == pytest.approx(0.4 * WEIGHT, rel=2e-3)
+    shutil.rmtree(tmp_path / ".snakemake")
+    assert load(str(tmp_path / "one"), 0.2) == pytest.approx(0.2 * WEIGHT, rel=2e-3)
     record = tmp_path / "two/structures/static/t/records.jsonl"
     record.write_text(record.read_text()[:400])
-    assert load("two", 0.4) == pytest.approx(0.4 * WEIGHT, rel=2e-3)
+    assert load("two", 0.3) == pytest.approx(0.3 * WEIGHT, rel=2e-3)
