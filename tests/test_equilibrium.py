@@ -130,7 +130,7 @@ def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembl
     unknowns, state = some_state(model)
     contacts, nodes = rigid_solver.contacts, (components(state.slip), state.whole)
     here = point_at(contacts, *nodes, unknowns)
-    tangent_stiffness(contacts, *nodes, unloaded(here), here, 0.0, rigid_solver.matrix)
+    tangent_stiffness(contacts, *nodes, unloaded(here), here, 0.0, rigid_solver.matrix, 1.0)
     direction = np.random.default_rng(2).normal(size=len(unknowns))
     ends = (unknowns + step * direction for step in (1e-12, -1e-12))
     after, before = (point_at(contacts, *nodes, end).residual for end in ends)

@@ -191,7 +191,7 @@ def test_the_tangent_is_the_derivative_far_from_where_blocks_were_built(
     slip = slipped * np.random.default_rng(1).normal(size=(2, count))
     whole, here = np.zeros(count), solver.here
     put_at(solver.contacts, slip, whole, loads, here, unknowns)
-    tangent_stiffness(solver.contacts, slip, whole, loads, here, 0.0, solver.matrix)
+    tangent_stiffness(solver.contacts, slip, whole, loads, here, 0.0, solver.matrix, 1.0)
     start, found = start_at(here), dense(solver)
     expected = np.zeros_like(found)
     for column, step in enumerate(np.eye(len(unknowns))):

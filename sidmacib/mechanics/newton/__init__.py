@@ -44,7 +44,7 @@ def elastic(contacts, matrix, here, target, floor):
     put_pieces(contacts, here)
     here.sums[:] = 0.0
     none = Applied(target, np.zeros_like(here.turn))
-    tangent_stiffness(contacts, slip, whole, none, here, floor, matrix)
+    tangent_stiffness(contacts, slip, whole, none, here, floor, matrix, 1.0)
     solve_linear(contacts, matrix, unknowns)
     return unknowns
 
@@ -92,7 +92,7 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
         elif stalled == STALLED:
             break
         stalled += 1
-        tangent_stiffness(contacts, slip, whole, target, here, floor, matrix)
+        tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, 1.0)
         step[:] = here.residual
         if not solve_linear(contacts, matrix, step):
             break
@@ -129,7 +129,7 @@ def controlled(bordered, matrix, here, loads, guess, load, moved, slip, whole, l
             ahead -= raised.wrench[i] * here.unknowns[i]
         if left <= allowed and abs(ahead) <= CONTROLLED * abs(moved):
             return True, load
-        tangent_stiffness(bordered, slip, whole, target, here, floor, matrix)
+        tangent_stiffness(bordered, slip, whole, target, here, floor, matrix, 1.0)
         pull[:] = raised.wrench
         for piece in range(len(here.turn)):
             levers, turn = raised.levers[piece], here.turn[piece]

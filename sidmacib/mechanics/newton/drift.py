@@ -77,7 +77,7 @@ def drifted(contacts, matrix, here, target, slip, whole, drift, limits):
     drift[:] = 0.0
     left = norm(here.residual)
     for tries in range(1, TRIES):
-        tangent_stiffness(contacts, slip, whole, target, here, drag, matrix)
+        tangent_stiffness(contacts, slip, whole, target, here, drag, matrix, 1.0)
         for i in range(len(step)):
             step[i] = here.residual[i] - drag * drift[i]
         solved = solve_linear(contacts, matrix, step)
@@ -101,8 +101,12 @@ def drifted(contacts, matrix, here, target, slip, whole, drift, limits):
 
 @compiled
 def falling_ways(contacts, slip, whole, target, matrix, here, drag):
-    """The number of ways in which pieces ``here`` move away from rest against ``drag`` (N/m)."""
-    tangent_stiffness(contacts, slip, whole, target, here, drag, matrix)
+    """The number of ways in which pieces ``here`` move away from rest against ``drag`` (N/m).
+
+    With friction as it is: where it rises with pressure the matrix is not symmetric, and negative
+    pivots say nothing of its eigenvalues.
+    """
+    tangent_stiffness(contacts, slip, whole, target, here, drag, matrix, 0.0)
     return negative_pivots(contacts, matrix)
 
 
@@ -115,7 +119,7 @@ def pushed(contacts, matrix, here, target, guess, slip, whole, drag, most):
     put_at(contacts, slip, whole, target, here, guess)
     step = np.empty_like(here.unknowns)
     for _ in range(STEPS):
-        tangent_stiffness(contacts, slip, whole, target, here, drag, matrix)
+        tangent_stiffness(contacts, slip, whole, target, here, drag, matrix, 1.0)
         step[:] = here.residual
         if not solve_linear(contacts, matrix, step):
             break

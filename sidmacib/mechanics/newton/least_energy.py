@@ -58,7 +58,7 @@ def least_energy(contacts, matrix, here, target, guess, slip, whole, limits):
             break
         if size <= allowed_at(here.unknowns, stiffness, allowed):
             return True
-        tangent_stiffness(contacts, slip, whole, target, here, floor, matrix)
+        tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, 1.0)
         step[:] = here.residual
         if not solve_linear(contacts, matrix, step):
             break

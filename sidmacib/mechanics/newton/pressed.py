@@ -142,8 +142,8 @@ def put_pressed_forces(contacts, face, slip, here):
 
 
 @compiled
-def pressed_stiffness(contacts, face, slip, here, k):
-    """`face_stiffness` of a face with triangles."""
+def pressed_stiffness(contacts, face, slip, here, rise, k):
+    """`face_stiffness` of a face with triangles; ``rise``: see `tangent_stiffness`."""
     k[:] = 0.0
     law, frame, apart = contacts.law, here.frame[face], here.apart[face]
     away, rows = -1.0 * contacts.finite, np.zeros((3, 6))
@@ -171,6 +171,7 @@ def pressed_stiffness(contacts, face, slip, here, k):
         if shear * shear * (d1 * d1 + d2 * d2) <= cone * cone:
             over = law[SHEAR, node] / law[NORMAL, node]
             grow_1, grow_2 = over * d1, over * d2
+        rise_1, rise_2, grow_1, grow_2 = rise * rise_1, rise * rise_2, rise * grow_1, rise * grow_2
         p, q = contacts.places[0, node], contacts.places[1, node]
         x = away * here.moved[0, node]
         y, z = y_0 + y_p * p + y_q * q, z_0 + z_p * p + z_q * q

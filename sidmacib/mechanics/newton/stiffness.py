@@ -66,12 +66,13 @@ def face_stiffness(contacts, face, moved, tangent, k):
 
 
 @compiled
-def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix):
+def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, rise):
     """Put the derivative of the forces on the pieces, with opposite sign, into ``matrix``.
 
     Of the forces of the nodes and of the loads ``target``, `Applied`, where ``here`` is. ``floor``
     (N/m) is added to the diagonal: it keeps pieces that nothing holds during an iteration from
-    flying off, and changes no equilibrium.
+    flying off, and changes no equilibrium. ``rise``: 0 leaves out how friction rises with pressure;
+    the matrix is then symmetric at equilibrium.
     """
     k, blocks = np.empty((6, 6)), np.empty((2, 2, 6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
@@ -86,10 +87,13 @@ def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix):
         if is_whole(contacts, face, whole):
             now = contacts.whole[face]
         elif contacts.first_triangle[face + 1] > contacts.first_triangle[face]:
-            pressed_stiffness(contacts, face, slip, here, k)
+            pressed_stiffness(contacts, face, slip, here, rise, k)
         else:
             first, last = contacts.start[face], contacts.start[face + 1]
             put_tangents(contacts.law, first, last, slip, whole, here.moved, here.tangent)
+            for i in range(last - first):
+                here.tangent[1, i] *= rise
+                here.tangent[2, i] *= rise
             face_stiffness(contacts, face, here.moved, here.tangent, k)
         by_pieces(contacts, face, now, here, blocks)
         if contacts.finite:
