@@ -31,7 +31,7 @@ from studies.flat_vault.geometry import FILES, LEAN, SIDE, THICKNESS, descriptio
 from studies.flat_vault.geometry import text as flat_text
 from studies.structures.compare import PUBLISHED, TYPES
 from studies.structures.other_methods import pyramid_tilt, relaxed_tilt
-from studies.structures.shapes import ABOUT_Y, AXES, HELD, answers, arch, dry, pushed_walls
+from studies.structures.shapes import ABOUT_Y, AXES, HELD, answers, arch, pushed_walls
 
 
 @pytest.mark.parametrize("blocks", FILES)
