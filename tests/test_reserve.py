@@ -235,6 +235,15 @@ def tower(height: float, **more: Any) -> dict[str, Any]:
     return {"blocks": {"g": ground, "t": {"low": low, "high": high}}, "interfaces": law, **more}
 
 
+def test_of_bonded_blocks_the_first_bond_that_fails_is_said_not_limit_analysis(path: Path) -> None:
+    """Limit analysis, with frictionless bonds, has nothing to say of when they fall."""
+    bond = {"friction": 0.6, "cohesion": 1e3, "tensile_strength": 1e3}
+    code, verdict, rows = said(path, {**CUBE, "interfaces": bond}, "--reserve")
+    assert code == 0
+    assert verdict.startswith("Yes: it stands; its first bond fails at ")
+    assert rows[-1]["note"] == "first failure of a bond"
+
+
 SOFT = {"normal_stiffness": 2e7, "shear_stiffness": 2e7}
 
 

@@ -248,7 +248,8 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
         said = "No" if isinstance(error, InfeasibleError) else "No answer"
         rows = table(("limit", "stands", None, str(error)))
         return rows, f"{said}: {lower_first(str(error))}", False, ALONG_X
-    note = _factor_note(problem, found.factor)
+    dry = all(face.kind is Kind.DRY for face in problem.assembly.faces)
+    note = _factor_note(found.factor, dry=dry)
     cells = [("limit", "geometrical safety factor", found.factor, note)]
     if crushed_faces(problem.assembly):
         note = "strength of the blocks over the strength needed" if found.strength else NO_LIMIT
@@ -264,39 +265,38 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
             cells.append(("limit", what, push.acceleration, note))
     cells.append(("static", "stands", None, found.static or "in equilibrium"))
     if found.followed is not None:
-        acceleration, way = found.followed
-        what = f"least horizontal acceleration (g), towards {_way(way)}"
-        cells.append(("static", what, acceleration, "first failure, else the peak"))
-    words = f"Yes: {_stands(found)}"
+        least = found.followed
+        what = f"least horizontal acceleration (g), towards {_way(least.direction)}"
+        note = "first failure of a bond" if least.bonds else "the peak"
+        cells.append(("static", what, least.acceleration, note))
+    words = f"Yes: {_stands(found, dry=dry)}"
     if found.falls:
         words = f"No: {lower_first(found.static)} in the static model"
     weakest = ALONG_X if found.least is None else found.least.direction
     if found.followed is not None:
-        weakest = found.followed[1]
+        weakest = found.followed.direction
     return table(*cells), words, not found.falls, weakest
 
 
-def _factor_note(problem: Problem, factor: float | None) -> str:
+def _factor_note(factor: float | None, *, dry: bool) -> str:
     if factor is not None:
         return "thickness of the interfaces over the least with which it stands"
-    if all(face.kind is Kind.DRY for face in problem.assembly.faces):
-        return NO_LIMIT
-    return "for dry interfaces only"
+    return NO_LIMIT if dry else "for dry interfaces only"
 
 
-def _stands(found: Reserve) -> str:
-    words, push = "it stands", found.least
+def _stands(found: Reserve, *, dry: bool) -> str:
+    words, push, followed = "it stands", found.least, found.followed
     if found.factor is not None:
         words += f", with a geometrical safety factor of {found.factor:.3g}"
-    if found.followed is not None and (push is None or found.followed[0] < push.acceleration):
-        acceleration, way = found.followed
-        words += f"; it falls at {acceleration:.3g} g towards {_way(way)}"
+    if followed and (not dry or push is None or followed.acceleration < push.acceleration):
+        what = "its first bond fails" if followed.bonds else "it falls"
+        words += f"; {what} at {followed.acceleration:.3g} g towards {_way(followed.direction)}"
     elif push is None:
         words += "; no horizontal acceleration fells it in limit analysis"
     else:
         tilt = "" if push.tilt is None else f", a tilt of {push.tilt:.3g} degrees"
         words += f"; it falls at {push.acceleration:.3g} g towards {_way(push.direction)}{tilt}"
-        if found.followed is None:
+        if followed is None:
             words += " in limit analysis, which may overestimate"
     return f"{words}; the static model: {found.static}" if found.static else words
 

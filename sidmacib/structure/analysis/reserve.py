@@ -16,6 +16,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from shapely.affinity import scale
@@ -31,6 +32,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Vector
 from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.polygons import Polygon
+from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
@@ -173,22 +175,33 @@ def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None
     return Push(acceleration, (x, y, z), state.mechanism, tilt)
 
 
+class Followed(NamedTuple):
+    """The least horizontal acceleration (g) in the static model, and its direction.
+
+    ``bonds``: whether a bond fails there, after which it may carry more; else it falls.
+    """
+
+    acceleration: float
+    direction: Vector
+    bonds: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Reserve:
     """What limit analysis and the static model answer without a load that is raised.
 
     ``factor``: the geometrical safety factor; None where it has no limit, or bonds or locks are
     there. ``least``: the least horizontal acceleration by limit analysis; None if there is none;
-    ``tried``: others. ``followed``: the least by the static model, and its direction; None without
-    an answer. ``static``: what the static model says against it, or nothing; ``falls``: whether
-    that is that it does not stand, or that a bond fails. ``strength``: compressive strength over
-    the strength needed; None where there is none, or no limit.
+    ``tried``: others. ``followed``: the least by the static model; None without an answer.
+    ``static``: what the static model says against it, or nothing; ``falls``: whether that is that
+    it does not stand, or that a bond fails. ``strength``: compressive strength over the strength
+    needed; None where there is none, or no limit.
     """
 
     factor: float | None
     least: Push | None
     tried: tuple[Push, ...]
-    followed: tuple[float, Vector] | None
+    followed: Followed | None
     static: str
     falls: bool
     strength: float | None
@@ -220,8 +233,8 @@ def reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
 
 def _followed(
     problem: Problem, least: Push | None, tried: Sequence[Push], tell: Callable[[str], object]
-) -> tuple[float, Vector] | None:
-    """The least acceleration (g) that the static model carries, and its direction.
+) -> Followed | None:
+    """The least acceleration that the static model carries.
 
     In the directions in which limit analysis finds up to `FURTHER` times as much, and where that
     finds none along x and y.
@@ -230,16 +243,18 @@ def _followed(
     assert isinstance(loads, StructureLoads), "loads of a structure"
     ways = {push.direction: push.acceleration for push in (*filter(None, (least,)), *tried)}
     ways = ways or dict.fromkeys(SQUARE, 0.0)
-    best: tuple[float, Vector] | None = None
+    best: Followed | None = None
     for way, most in sorted(ways.items(), key=lambda each: each[1]):
-        if best is not None and most > FURTHER * best[0]:
+        if best is not None and most > FURTHER * best.acceleration:
             break
         with suppress(UnboundedError):
             found = first_failure_of(solver_of(refined(assembly, 1), pushed(assembly, loads, way)))
             acceleration = found.point.load / free_weight(assembly)
-            tell(f"static model: falls at {acceleration:.4g} g towards ({way[0]:g}, {way[1]:g})")
-            if best is None or acceleration < best[0]:
-                best = acceleration, way
+            bonds = found.mode is Mode.BONDS
+            what = "a bond fails" if bonds else "falls"
+            tell(f"static model: {what} at {acceleration:.4g} g towards ({way[0]:g}, {way[1]:g})")
+            if best is None or acceleration < best.acceleration:
+                best = Followed(acceleration, way, bonds)
     return best
 
 
