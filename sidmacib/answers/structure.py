@@ -28,9 +28,10 @@ from sidmacib.answers.structure_paths import (
     without_other_meshes,
 )
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
+from sidmacib.mechanics.equilibrium import is_dry
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.solution import Equilibrium, OtherSearches, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
@@ -66,7 +67,7 @@ def static_answer(
 def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
     """The answer for blocks that are not crushed."""
     answer = unbounded_answer(problem)
-    if not all(face.kind is Kind.DRY for face in problem.assembly.faces):
+    if not is_dry(problem.assembly):
         return answer
     most = _bound(problem, answer.load, limit)
     if answer.load > (1.0 + SMALL) * most:

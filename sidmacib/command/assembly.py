@@ -26,8 +26,9 @@ from sidmacib.command.structures import (
     write_curve,
 )
 from sidmacib.errors import CapacityError, InfeasibleError
-from sidmacib.mechanics.assembly import Kind, Vector
+from sidmacib.mechanics.assembly import Vector
 from sidmacib.mechanics.crushing import crushed_faces
+from sidmacib.mechanics.equilibrium import is_dry
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import LimitTilt, assumes
 from sidmacib.structure.analysis.reserve import Reserve, reserve
@@ -248,7 +249,7 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
         said = "No" if isinstance(error, InfeasibleError) else "No answer"
         rows = table(("limit", "stands", None, str(error)))
         return rows, f"{said}: {lower_first(str(error))}", False, ALONG_X
-    dry = all(face.kind is Kind.DRY for face in problem.assembly.faces)
+    dry = is_dry(problem.assembly)
     note = _factor_note(found.factor, dry=dry)
     cells = [("limit", "geometrical safety factor", found.factor, note)]
     if crushed_faces(problem.assembly):

@@ -14,8 +14,8 @@ from sidmacib.command.answers import Row, reason
 from sidmacib.command.output import draw, plot, text_of, write_text
 from sidmacib.drawing import SKY
 from sidmacib.errors import CapacityError, NoEquilibriumError
-from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.crushing import crushing_use
+from sidmacib.mechanics.equilibrium import has_bonds
 from sidmacib.mechanics.limit import LimitState, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.models import structure_limit
@@ -139,9 +139,8 @@ class Solved(NamedTuple):
         """On the load that is to be carried; only where the demand says how much that is."""
         newtons, limit = self.demand.newtons, self.limit
         assert newtons is not None and not isinstance(limit, LimitTilt)
-        faces = self.demand.problem.assembly.faces
-        dry = not any(face.kind is Kind.INNER for face in faces)
-        return verdict(newtons, self.static, limit, dry=dry)
+        bonded = has_bonds(self.demand.problem.assembly)
+        return verdict(newtons, self.static, limit, dry=not bonded)
 
 
 def structure_rows(solved: Solved, tell: Tell = str) -> list[Row]:

@@ -26,6 +26,16 @@ if TYPE_CHECKING:
 RIGID = 6  # displacements and rotations of a rigid piece
 
 
+def has_bonds(assembly: Assembly) -> bool:
+    """Whether any face is bonded."""
+    return any(face.kind is Kind.INNER for face in assembly.faces)
+
+
+def is_dry(assembly: Assembly) -> bool:
+    """Whether all faces are dry: none is bonded, a plate's, or of condensed locks."""
+    return all(face.kind is Kind.DRY for face in assembly.faces)
+
+
 def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
     """Force and moment about a point of unit forces at ``points``.
 

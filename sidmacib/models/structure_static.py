@@ -8,8 +8,8 @@ import numpy as np
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import CRUSHING, StaticAnswer, bond_fails, followed
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Assembly, Kind, Loads
-from sidmacib.mechanics.equilibrium import placed
+from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.equilibrium import has_bonds, placed
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.models.static import state_of
@@ -60,7 +60,7 @@ def outcome_of(problem: Problem, answer: StaticAnswer, given: Failures | None = 
 def _broken_at(answer: StaticAnswer, loads: Loads) -> dict[int, float]:
     """The load at which the first bond of each face fails, the first of them first."""
     assembly = answer.assembly
-    if not any(face.kind is Kind.INNER for face in assembly.faces):
+    if not has_bonds(assembly):
         return {}
     if lost := _lost(assembly, answer.path):
         return lost

@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sidmacib.errors import CapacityError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
+from sidmacib.mechanics.equilibrium import has_bonds
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.problem import Problem
@@ -48,7 +49,7 @@ def assumes(assembly: Assembly) -> str:
     if any(isinstance(face, CondensedLocks) and face.limits for face in assembly.faces):
         held = "locks limited by the rule under their hold_down, a plate by default"
         return f"{held}; the first lock to fail governs"
-    if any(face.kind is Kind.INNER for face in assembly.faces):
+    if has_bonds(assembly):
         rough = any(face.material.bond_friction for face in assembly.faces)
         bonds = "ductile bonds" if rough else "ductile, frictionless bonds"
         return f"{bonds}: neither an upper nor a lower bound for brittle bonds"

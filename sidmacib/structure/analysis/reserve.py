@@ -28,8 +28,9 @@ from sidmacib.errors import (
     NoEquilibriumError,
     UnboundedError,
 )
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Vector
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector
 from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
+from sidmacib.mechanics.equilibrium import is_dry
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Mode
@@ -68,7 +69,7 @@ def geometrical_factor(assembly: Assembly, loads: Loads) -> float | None:
 
     None where interfaces could be points, or are not dry.
     """
-    if any(face.kind is not Kind.DRY for face in assembly.faces):
+    if not is_dry(assembly):
         return None
     return _largest(lambda factor: _stands(_smaller(assembly, factor), loads))
 
@@ -169,7 +170,7 @@ def _push(assembly: Assembly, loads: StructureLoads, way: Floats) -> Push | None
         return None
     acceleration = max(state.load, 0.0) / free_weight(assembly)
     # Without strengths and other loads forces are a cone: gravity and push may be scaled together.
-    dry = all(face.kind is Kind.DRY for face in assembly.faces) and not crushed_faces(assembly)
+    dry = is_dry(assembly) and not crushed_faces(assembly)
     cone = dry and not loads.beside.wrenches.any()
     tilt = math.degrees(math.atan(acceleration)) if cone else None
     return Push(acceleration, (x, y, z), state.mechanism, tilt)
