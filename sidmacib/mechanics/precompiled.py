@@ -40,7 +40,7 @@ def signatures() -> dict[Any, Signature]:
         drift.settled: (*solved, *nodes, four),
         newton.controlled: (*solved, *controlled, three),
         drift.pushed: (*solved, *nodes, float64, float64),
-        drift.falling_ways: (contacts, table, row, loads, matrix, here, float64),
+        drift.falls: (contacts, table, row, loads, matrix, here, float64),
         newton.put_at: (contacts, table, row, loads, here, row),
         faces.put_slips: (contacts, table, row, here, table),
         least_energy.product: (row, row),

@@ -21,7 +21,7 @@ from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import NORMAL
 from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units, soft_law
 from sidmacib.mechanics.newton import PATIENT, QUICK, controlled, elastic, newton, put_at
-from sidmacib.mechanics.newton.drift import falling_ways, pushed, settled
+from sidmacib.mechanics.newton.drift import falls, pushed, settled
 from sidmacib.mechanics.newton.faces import (
     Applied,
     ContactFaces,
@@ -299,7 +299,7 @@ class RigidSolver(Solver):
 
     def _falls(self, target: Applied, slip: Floats, whole: Floats) -> bool:
         nodes = self.contacts, slip, whole, target, self.matrix, self.here
-        return bool(falling_ways(*nodes, self.floor))
+        return bool(falls(*nodes, self.floor))
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N).

@@ -48,7 +48,7 @@ def settled(contacts, matrix, here, target, guess, slip, whole, limits):
             return False
         stays = tries < TRIES
         if stays and contacts.finite:
-            stays = not falling_ways(contacts, slip, whole, target, matrix, here, drag)
+            stays = not falls(contacts, slip, whole, target, matrix, here, drag)
         if not stays:
             stepped(contacts, slip, whole, target, here, rest, drift, 0.0)
             drag *= SLOWER
@@ -100,14 +100,18 @@ def drifted(contacts, matrix, here, target, slip, whole, drift, limits):
 
 
 @compiled
-def falling_ways(contacts, slip, whole, target, matrix, here, drag):
-    """The number of ways in which pieces ``here`` move away from rest against ``drag`` (N/m).
+def falls(contacts, slip, whole, target, matrix, here, drag):
+    """Whether pieces ``here`` move away from rest against ``drag`` (N/m).
 
-    With friction as it is: where it rises with pressure the matrix is not symmetric, and negative
-    pivots say nothing of its eigenvalues.
+    Where friction rises with pressure the matrix is not symmetric, and negative pivots may be false
+    alarms. With friction as it is they are eigenvalues, but pieces that are wedged the more
+    the further they go seem to fall. So both are asked.
     """
-    tangent_stiffness(contacts, slip, whole, target, here, drag, matrix, 0.0)
-    return negative_pivots(contacts, matrix)
+    for rise in (0.0, 1.0):
+        tangent_stiffness(contacts, slip, whole, target, here, drag, matrix, rise)
+        if not negative_pivots(contacts, matrix):
+            return False
+    return True
 
 
 @compiled
