@@ -131,14 +131,14 @@ format: .venv/test.ready
 	$(BIN)/ruff check --fix .
 	$(BIN)/snakefmt Snakefile workflow/rules analysis/rules studies
 
-.venv/study.ready: requirements.txt pyproject.toml | early system
+.venv/study.ready: requirements/study.txt pyproject.toml | early system
 	@sh workflow/environment.sh
 
-.venv/test.ready: requirements-dev.txt .venv/study.ready | system-test
-	@sh workflow/install.sh requirements-dev.txt
+.venv/test.ready: requirements/dev.txt .venv/study.ready | system-test
+	@sh workflow/install.sh requirements/dev.txt
 	@touch $@
 
-.venv/%.ready: requirements-%.txt .venv/study.ready
+.venv/%.ready: requirements/%.txt .venv/study.ready
 	@sh workflow/install.sh $<
 	@touch $@
 
@@ -155,11 +155,11 @@ system-test:
 # Each extra has a file with the packages that it adds to the study's. One file for all is not possible: pip takes
 # no digests from constraints, and users who run studies should not install the developers' packages.
 lock: .venv/test.ready
-	$(COMPILE) --output-file requirements.txt
+	$(COMPILE) --output-file requirements/study.txt
 	for extra in installer dev slurm peers compas rhino step; do \
-		$(COMPILE) --extra $$extra --constraint requirements.txt --output-file requirements-$$extra.txt \
-			$$(sed -n 's/^\([A-Za-z0-9._-]*\)==.*/--no-emit-package \1/p' requirements.txt) && \
-		{ [ $$extra = installer ] || sed -i '2a --requirement requirements.txt' requirements-$$extra.txt; } || exit 1; \
+		$(COMPILE) --extra $$extra --constraint requirements/study.txt --output-file requirements/$$extra.txt \
+			$$(sed -n 's/^\([A-Za-z0-9._-]*\)==.*/--no-emit-package \1/p' requirements/study.txt) && \
+		{ [ $$extra = installer ] || sed -i '2a --requirement study.txt' requirements/$$extra.txt; } || exit 1; \
 	done
 
 clean:

@@ -52,7 +52,9 @@ def container(tmp_path: Path) -> Iterator[str]:
             base = buildah("from", "scratch")
             buildah("add", base, root, "/")
             buildah("commit", "--rm", base, BASE)
-        buildah("build", *alone, *options, "--tag", IMAGE, checkout)
+        recipe = ("--file", checkout / "container/Containerfile")
+        ignored = ("--ignorefile", checkout / "container/ignore")
+        buildah("build", *alone, *options, *recipe, *ignored, "--tag", IMAGE, checkout)
         yield buildah("from", "--pull-never", "--name", CONTAINER, IMAGE)
     finally:
         made = (("rm", CONTAINER), ("rmi", IMAGE), *([] if there else [("rmi", BASE)]))

@@ -28,7 +28,7 @@ MADE = {  # by the site, from the code
     *(DOCS / name for name in ("configuration.md", "structure_file.md", "columns.md")),
     GALLERY / "index.rst",
 }
-FIRST = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+FIRST = [ROOT / "README.md", ROOT / ".github/CONTRIBUTING.md"]
 PAGES = [*FIRST, *(page for page in sorted(DOCS.rglob("*.md")) if page not in MADE)]
 EXAMPLES = {  # a study for what a page changes of one
     "samples": {"n3": {"locks": 3}},
@@ -227,7 +227,7 @@ def test_links_headings_paths_and_names_of_a_page_are_there(page: Path) -> None:
 
 
 def test_the_way_of_the_data_leads_through_files_that_are_there() -> None:
-    (way,) = (block for block in blocks(ROOT / "CONTRIBUTING.md", "") if "→" in block)
+    (way,) = (block for block in blocks(ROOT / ".github/CONTRIBUTING.md", "") if "→" in block)
     for line in way.splitlines():
         folder = ROOT
         for path in (word for word in re.split(r"[\s,]+", line) if PATH.fullmatch(word)):

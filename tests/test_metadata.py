@@ -66,7 +66,7 @@ def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
         modules = {name for name in archive.namelist() if name.endswith(".py")}
     assert modules == {str(p.relative_to(ROOT)) for p in (ROOT / "sidmacib").rglob("*.py")}
     run(uv, "venv", *python, environment)
-    pins = ("--constraint", ROOT / "requirements.txt")
+    pins = ("--constraint", ROOT / "requirements/study.txt")
     run(uv, "pip", "install", "--python", environment / "bin/python", *pins, wheel)
     question = ("capacity", "-n", "5", "-e", "0.3", "-m", "limit", "-m", "yade")
     here = Path(sys.executable).with_name("multilock")
@@ -126,7 +126,7 @@ def test_only_what_was_built_and_checked_is_published_without_a_password() -> No
 EXTRAS = dict(PROJECT["optional-dependencies"])
 STUDY = [*PROJECT["dependencies"], *EXTRAS.pop("study")]
 ADDED = {extra: more for extra, more in EXTRAS.items() if not set(more) <= set(STUDY)}
-LOCKS = {"requirements.txt": STUDY} | {f"requirements-{each}.txt": ADDED[each] for each in ADDED}
+LOCKS = {"study": STUDY} | ADDED
 PIN = re.compile(r"^([\w.-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M)
 # Used, but not by an import: programs, plugins of pytest and of a theme, an engine of pandas; and
 # what builds this project.
@@ -138,29 +138,31 @@ NOT_IMPORTED = {
 }
 
 
+def lock(name: str) -> str:
+    return (ROOT / f"requirements/{name}.txt").read_text()
+
+
 def pins(name: str) -> dict[str, str]:
     """Version of each package of a lock file."""
-    return {canonicalize_name(pin[1]): pin[2] for pin in PIN.finditer((ROOT / name).read_text())}
+    return {canonicalize_name(pin[1]): pin[2] for pin in PIN.finditer(lock(name))}
 
 
 @pytest.mark.parametrize("name", LOCKS)
 def test_a_lock_file_is_current_and_has_digests_of_all_it_names(name: str) -> None:
     """It has all that the project asks for, in versions that it allows."""
-    text = (ROOT / name).read_text()
+    text = lock(name)
     named = re.findall(r"^[A-Za-z0-9._-]+==", text, re.MULTILINE)
     assert len(named) == len(PIN.findall(text)) > 0
-    found = pins("requirements.txt") | pins(name)  # which it adds to
+    found = pins("study") | pins(name)  # which it adds to
     for wanted in map(Requirement, LOCKS[name]):
         assert canonicalize_name(wanted.name) in found, f"{wanted.name}: run make lock"
         assert found[canonicalize_name(wanted.name)] in wanted.specifier, wanted
 
 
-@pytest.mark.parametrize(
-    "name", sorted(set(LOCKS) - {"requirements.txt", "requirements-installer.txt"})
-)
+@pytest.mark.parametrize("name", sorted(set(ADDED) - {"installer"}))
 def test_an_extra_adds_to_what_a_study_needs(name: str) -> None:
-    assert "--requirement requirements.txt\n" in (ROOT / name).read_text()
-    assert not pins("requirements.txt").keys() & pins(name).keys()
+    assert "--requirement study.txt\n" in lock(name)
+    assert not pins("study").keys() & pins(name).keys()
 
 
 def imported_by(*folders: str) -> tuple[set[str], set[str]]:

@@ -60,7 +60,9 @@ def test_the_drawing_of_the_rules_is_current() -> None:
     text = python("-m", "snakemake", "--rulegraph", "--forceall", check=True).stdout
     names = dict(re.findall(r"^\s*(\d+)\[label = \"([^\"]+)\"", text, re.M))
     drawn = dict(re.findall(r"<title>(\d+)</title>.*?<text[^>]*>(\w+)<", found, re.S))
-    assert set(drawn.values()) == set(names.values()), "draw them again, see CONTRIBUTING.md"
+    assert set(drawn.values()) == set(names.values()), (
+        "draw them again, see .github/CONTRIBUTING.md"
+    )
     pairs = re.findall(r"(\d+)&#45;&gt;(\d+)", found)
     arrows = {(drawn[one], drawn[other]) for one, other in pairs}
     known = {(names[one], names[other]) for one, other in re.findall(r"(\d+) -> (\d+)", text)}

@@ -124,8 +124,8 @@ def test_uv_installs_and_pip_where_it_cannot(tmp_path: Path, status: int, pip_to
     assert made(tmp_path, "", uv=UV.format(status=status)).returncode == 0
     calls = (tmp_path / "calls").read_text().splitlines()
     (by_uv,) = (line for line in calls if line.startswith("uv "))
-    assert "--require-hashes --requirement requirements.txt" in by_uv
-    by_pip = "install --quiet --require-hashes --requirement requirements.txt"
+    assert "--require-hashes --requirement requirements/study.txt" in by_uv
+    by_pip = "install --quiet --require-hashes --requirement requirements/study.txt"
     assert (by_pip in calls) == pip_too
 
 

@@ -6,7 +6,7 @@ pip() {
     .venv/bin/pip install --quiet --require-hashes --requirement "$1"
 }
 
-[ -x .venv/bin/uv ] || pip requirements-installer.txt || true
+[ -x .venv/bin/uv ] || pip requirements/installer.txt || true
 if [ -x .venv/bin/uv ]; then
     VIRTUAL_ENV=.venv .venv/bin/uv pip install --quiet --compile-bytecode --require-hashes \
         --requirement "$1" && exit

@@ -8,7 +8,7 @@ writes it, in plain JSON: no COMPAS is needed to write or to read it.
 
 ``python -m studies.designed_vault.vault show vault.json results.json`` opens a model and its
 results in COMPAS's viewer, or draws a picture of them. It needs compas_dem and compas_viewer
-(``requirements-peers.txt``). Without a screen: ``QT_QPA_PLATFORM=offscreen``.
+(``requirements/peers.txt``). Without a screen: ``QT_QPA_PLATFORM=offscreen``.
 """
 
 import argparse

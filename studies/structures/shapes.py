@@ -2,7 +2,7 @@
 
 Arches, stacks, walls, flat arches and corbels have answers that are published or found by hand. The
 samples are in the wheel of compas_cra 0.8.0 (MIT), which pip downloads with the digests of
-requirements-peers.txt; nothing of it is installed or run.
+requirements/peers.txt; nothing of it is installed or run.
 """
 
 import math
@@ -34,7 +34,7 @@ HELD = 3.0  # friction at which nothing slides
 DENSITY = 2000.0  # kg/m3
 GROUND = box("ground", (-9.0, -9.0, -1.0), (9.0, 9.0, 0.0), DENSITY, fixed=True)
 ABOUT_Y, ABOUT_X = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
-REQUIREMENTS = Path("requirements-peers.txt")
+REQUIREMENTS = Path("requirements/peers.txt")
 REQUIREMENT = re.compile(r"^compas-cra==.*?(?:\\\n.*?)*$", re.MULTILINE)
 INSIDE = "compas_cra/data/samples/"
 SAMPLE_DENSITY = 2400.0  # kg/m3; of dry blocks it changes no angle
