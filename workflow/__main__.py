@@ -153,7 +153,7 @@ def main() -> None:
     """Command line: a command, a configuration and a results folder."""
     parser = options_of("python -m workflow", __doc__, ["study", "report", "decks", "cases"])
     parser.add_argument(
-        "--profile", help="profile of a cluster: a folder in workflow/profiles, such as slurm"
+        "--profile", help="profile of a cluster: a folder in profiles, such as slurm"
     )
     parser.add_argument(
         "--format", default="table", choices=FORMATS, help="of the list of cases; default: table"

@@ -83,7 +83,7 @@ def writable(folder: Path) -> bool:
 
 
 CHECKOUT = Path(__file__).parents[1]
-PROFILES = CHECKOUT / "workflow/profiles"
+PROFILES = CHECKOUT / "profiles"
 
 
 def options_of(

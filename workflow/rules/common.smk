@@ -13,7 +13,7 @@ CAPTIONS = {  # of files in the report of Snakemake, by suffix
     ".html": ("Report", "report.rst"),
 }
 SUMMARY_INPUTS, REPORT_INPUTS = {}, {}  # tables of the summary and the report
-RETRIES = 2  # as in workflow/profiles/slurm
+RETRIES = 2  # as in profiles/slurm
 TIME_LIMIT = math.ceil(STUDY.dem.time_limit)  # s, of an engine in each case
 NOTES = "notes"  # folder of what was asked of each job
 NOTED = {}  # their paths
