@@ -1,4 +1,6 @@
 # Public names and where they are; a module is imported when one of its names is first used.
+from .answers.ask import Solved as Solved
+from .answers.ask import ask as ask
 from .contact_points import OPTIONS as OPTIONS
 from .contact_points import READY_OPTIONS as READY_OPTIONS
 from .contact_points import ContactOption as ContactOption

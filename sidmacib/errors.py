@@ -29,3 +29,11 @@ class NoStiffnessError(CapacityError):
 
 class ResultError(ValueError):
     """A result that is not accepted; the message is one line."""
+
+
+def reason(error: Exception) -> str:
+    """Why a model has no answer, in one line."""
+    message = " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, ArithmeticError):
+        return f"numbers are too large or too small for the model ({message})"
+    return message

@@ -92,7 +92,7 @@ class Outcome:
     peak. ``counts``: which of the two does; None where the model does not say, and its last load
     counts. ``cells``: the pieces on the cells that all of this is from, where they are not those of
     the problem; ``given``: the failures (N) on the cells of the problem, with springs at nodes as
-    engines have them; None where there are none.
+    engines have them; None where there are none. ``notes``: what it rests on, in words.
     """
 
     path: tuple[State, ...]
@@ -108,6 +108,7 @@ class Outcome:
     counts: Counts | None = None
     cells: Assembly | None = None
     given: Failures | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def state(self) -> State:

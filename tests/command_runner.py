@@ -17,7 +17,7 @@ def run(*arguments: str) -> Result:
 def answers(*arguments: str) -> list[dict[str, Any]]:
     found = run(*arguments, "--format", "json")
     assert found.exit_code == 0, found.output
-    return list(json.loads(found.stdout))
+    return list(json.loads(found.stdout)["rows"])
 
 
 def assembly(path: Path, description: Any, *options: str) -> Result:
@@ -29,4 +29,4 @@ def assembly(path: Path, description: Any, *options: str) -> Result:
 def by_model(path: Path, description: Any, *options: str) -> dict[str, dict[str, Any]]:
     """What models answer for a structure as a file describes it; the file is written."""
     found = assembly(path, description, "--format", "json", *options)
-    return {row["model"]: row for row in json.loads(found.stdout)}
+    return {row["model"]: row for row in json.loads(found.stdout)["rows"]}

@@ -81,7 +81,7 @@ def test_so_does_one_of_structures(counts: str, which: str) -> None:
 
 @pytest.mark.parametrize(("share", "words"), [(0.98, ""), (0.85, "peak 15 % below its")])
 def test_so_does_the_command(share: float, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    peak = answers("capacity", "-n", "3", "-m", "static")[0]["V (N)"] * share
+    peak = answers("capacity", "-n", "3", "-m", "static")[0]["V_N"] * share
 
     def found(*_: object) -> Outcome:
         return Outcome((State(peak),), peak, peak, "bonds", peak_load=peak)
@@ -117,10 +117,10 @@ def test_a_joint_has_the_same_load_at_every_door(name: str) -> None:
         "--hold-down": f"pressure:{1e3 * state.pressure:g}" if state.pressure else "plate",
     }
     (printed,) = answers("capacity", *(str(part) for pair in given.items() for part in pair))
-    assert printed["V (N)"] == pytest.approx(shear, rel=1e-9)
+    assert printed["V_N"] == pytest.approx(shear, rel=1e-9)
     first = found.solution.first_failure_load / found.load
-    assert printed["first failure / load"] == pytest.approx(first, rel=1e-6)
-    assert printed["peak spread"] == found.solution.spread
+    assert printed["first_failure_over_load"] == pytest.approx(first, rel=1e-6)
+    assert printed["peak_spread"] == found.solution.spread
     assert ("lowest peak found" in printed["note"]) == (found.why == "lowest peak found")
     case = a_case("static", joint, Loading(direction), meshes(joint)[1], NodeLayout.LOBATTO)
     problem = case.subject.problem()

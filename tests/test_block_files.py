@@ -118,7 +118,7 @@ def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Pat
     found = limit_load(*read_structure(tmp_path / "arch.yaml"), friction=True).load
     assert found == pytest.approx(expected, rel=1e-6)
     rows = answers("assembly", str(tmp_path / "arch.yaml"))
-    assert rows[0]["load (N)"] == pytest.approx(expected, rel=1e-3)
+    assert rows[0]["load_N"] == pytest.approx(expected, rel=1e-3)
     embedded = structure_of(with_bodies(text, tmp_path))  # as in a study, whose cases are whole
     assert limit_load(*embedded, friction=True).load == pytest.approx(expected, rel=1e-6)
 
@@ -158,7 +158,7 @@ LINTEL: dict[str, Any] = {
 
 def limit(*command: str) -> float:
     rows = answers("assembly", *command)
-    return float(rows[0]["load (N)"])
+    return float(rows[0]["load_N"])
 
 
 @pytest.mark.parametrize("name", ["face_centre", "subdivided", "double_faces"])

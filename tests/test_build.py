@@ -256,10 +256,10 @@ def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:
     }
     rows = pd.read_csv(tmp_path / "blocks.csv")
     assert rows["block"].tolist() == ["lower", "upper"]
-    assert 150.0 in rows.loc[0, ["x (mm)", "y (mm)"]].tolist()
+    assert 150.0 in rows.loc[0, ["x_mm", "y_mm"]].tolist()
     joint = Joint(3, a=0.08)
     lost = 2 * joint.a * joint.h * 5e-4 / 2
-    assert rows.loc[0, "volume (m3)"] == pytest.approx(model_volumes(joint)[0] - lost)
+    assert rows.loc[0, "volume_m3"] == pytest.approx(model_volumes(joint)[0] - lost)
 
 
 def test_a_file_of_a_joint_is_taken_as_its_flags_are(tmp_path: Path) -> None:

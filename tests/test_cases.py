@@ -304,10 +304,10 @@ def test_more_nodes_ask_for_more_but_no_longer_than_the_time_limit_of_the_engine
 
 
 def test_the_profile_tries_as_often_as_jobs_expect() -> None:
-    profile = yaml.safe_load((ROOT / "workflow/profiles/slurm/config.yaml").read_text())
+    profile = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text())
     rules = (ROOT / "workflow/rules/common.smk").read_text()
     assert f"RETRIES = {profile['retries']} " in rules
-    assert profile_named("slurm") == ["--profile", str(ROOT / "workflow/profiles/slurm")]
+    assert profile_named("slurm") == ["--profile", str(ROOT / "profiles/slurm")]
     assert profile_named("") == []
     with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not allowed; it must be"):
         profile_named("slrum")

@@ -91,7 +91,7 @@ def test_resistances_are_those_of_the_command() -> None:
     state = Settings(locks=9, a=80.0, H=60.0, scatter=20.0, gamma_m=1.5)
     flags = ("-n", "9", "-a", "80mm", "-H", "60mm", "-e", "0.3", "--scatter", "0.2")
     found = run("capacity", *flags, "--gamma-m", "1.5", "--format", "json")
-    printed = {row["model"]: row["V (N)"] for row in json.loads(found.stdout)}
+    printed = {row["model"]: row["V_N"] for row in json.loads(found.stdout)["rows"]}
     shown = {name: load.shear for name, load in answers(state).rules.items()}
     assert shown == {name: pytest.approx(printed[name], rel=1e-9) for name in shown}
     assert {"safe", "characteristic", "design"} <= shown.keys()

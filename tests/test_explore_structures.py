@@ -22,8 +22,9 @@ from analysis.explore.examples import (
 from analysis.explore.pictures import Answers
 from analysis.explore.state import SLIDERS, Settings, from_query
 from analysis.explore.structures import structure_answer
+from sidmacib.answers.ask import Solved
 from sidmacib.command.answers import Row
-from sidmacib.command.structures import Solved, structure_rows
+from sidmacib.command.structures import structure_rows
 from sidmacib.structure.files.structure_file import Demand, structure_of
 from sidmacib.yaml_text import parsed, read_yaml
 

@@ -121,7 +121,7 @@ def test_the_fewest_locks_are_those_of_the_library() -> None:
     rows = answers("joint", "-V", "300", "-e", "0.3", *SIZES)
     found = fewest_locks(JOINT, Demand(300.0, ratio=0.3))
     assert [row["locks"] for row in rows] == [each.joint.locks for each in found.tried]
-    assert found.found is not None and rows[-1]["safe V (N)"] == found.found.shear
+    assert found.found is not None and rows[-1]["safe_V_N"] == found.found.shear
     assert rows[-1]["note"] == "strong enough"
     assert all(row["note"].startswith("too weak") for row in rows[:-1])
 
@@ -131,8 +131,8 @@ def test_the_cheapest_sizes_are_those_of_the_library() -> None:
     (row,) = answers("joint", "-n", "6", "-V", "300", "-M", "5", *SIZES, *vary)
     values = {"a": (0.06, 0.07, 0.08, 0.09, 0.1), "h": (0.006, 0.008)}
     found = cheapest(Joint(6, H=0.06), Demand(300.0, 5.0), values).found
-    assert (row["a (m)"], row["h (m)"]) == (found.joint.a, found.joint.h)
-    assert (row["safe V (N)"], row["safe M (N m)"]) == (found.shear, found.torque)
+    assert (row["a_m"], row["h_m"]) == (found.joint.a, found.joint.h)
+    assert (row["safe_V_N"], row["safe_M_Nm"]) == (found.shear, found.torque)
 
 
 def test_what_no_joint_carries_ends_with_how_far_they_are() -> None:

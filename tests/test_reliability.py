@@ -158,8 +158,8 @@ def note_in(path: Path, *words: str) -> str:
 
 def test_capacity_prints_characteristic_value_and_design_resistance() -> None:
     options = ["-m", "law", "--scatter", "0.2", "--gamma-m", "1.5"]
-    rows = json.loads(run("capacity", *GIVEN, *options, "--format", "json"))
-    loads = {row["model"]: row["V (N)"] for row in rows}
+    rows = json.loads(run("capacity", *GIVEN, *options, "--format", "json"))["rows"]
+    loads = {row["model"]: row["V_N"] for row in rows}
     assert list(loads) == ["law", "characteristic", "design"]
     found = sidmacib.characteristic(NINE, DIRECTION, 0.2)
     assert loads["characteristic"] == found.capacity.shear
@@ -188,13 +188,13 @@ def test_the_last_lines_say_what_strengths_and_blocks_are_taken_for(
 
 def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
     options = ["--scatter", "0.2", "--gamma-m", "1.5", "--format", "json"]
-    rows = json.loads(run("joint", "-V", "150", *GIVEN[2:], *options))
+    rows = json.loads(run("joint", "-V", "150", *GIVEN[2:], *options))["rows"]
     reliability = Reliability(0.2, 1.5)
     for row in rows:
         joint = sidmacib.Joint(row["locks"], a=0.08, H=0.06)
         shear = sidmacib.design_resistance(joint, DIRECTION, reliability).shear
         assert (row["note"] == "strong enough") == (shear >= 150.0)
-        assert row["design V (N)"] in (None, shear)
+        assert row["design_V_N"] in (None, shear)
     assert rows[-1]["note"] == "strong enough"
 
 
@@ -218,8 +218,8 @@ def test_capacity_answers_as_joint(options: list[str], shear: str, by: str, tmp_
     if "-m" in options:
         return
     ended = command("joint", *words[2:], "--vary", "locks=9", "--all", "--format", "json")
-    (row,) = json.loads(ended.stdout.partition("Error")[0])
-    usage = next(value for name, value in row.items() if name.startswith("required / "))
+    (row,) = json.loads(ended.stdout.partition("Error")[0])["rows"]
+    usage = next(value for name, value in row.items() if name.startswith("required_over_"))
     assert usage is None or factor == pytest.approx(1 / usage, rel=5e-3)
     note = tmp_path / "note.html"
     command("capacity", *words, "--note", str(note))
@@ -249,9 +249,9 @@ def test_the_note_has_the_numbers_of_the_library(tmp_path: Path) -> None:
 
 def test_a_joint_that_was_sought_has_a_note_with_its_utilisation(tmp_path: Path) -> None:
     words = ["joint", "-V", "300", *GIVEN[2:]]
-    rows = json.loads(run(*words, "--format", "json"))
+    rows = json.loads(run(*words, "--format", "json"))["rows"]
     note = note_in(tmp_path / "note.html", *words)
-    assert f"Utilisation {rows[-1]['required / safe']:.3f}: verified" in note
+    assert f"Utilisation {rows[-1]['required_over_safe']:.3f}: verified" in note
 
 
 @pytest.mark.parametrize("ratio", ["0", "torsion", "-0.4"])

@@ -72,7 +72,7 @@ def test_the_least_acceleration_is_about_an_edge_that_is_not_of_the_weakest_dire
 def said(path: Path, given: dict[str, Any], *more: str) -> tuple[int, str, list[dict[str, Any]]]:
     """The exit status, the verdict and the rows of the command."""
     found = assembly(path, given, "--format", "json", *more)
-    return found.exit_code, found.stderr.splitlines()[-1], json.loads(found.stdout)
+    return found.exit_code, found.stderr.splitlines()[-1], json.loads(found.stdout)["rows"]
 
 
 def test_the_command_says_whether_a_structure_stands_and_with_what_reserve(tmp_path: Path) -> None:

@@ -219,11 +219,11 @@ def test_the_command_prints_reactions_of_a_support_that_moves(tmp_path: Path) ->
     models = ("static, at rest", "static, yields", "limit, least", "limit, greatest", "kinematics")
     assert tuple(rows) == models
     weight = 2.2 * 0.3 * 0.3 * 2000 * 9.81
-    assert rows["limit, least"]["reaction (N)"] == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
-    assert rows["static, at rest"]["reaction (N)"] == pytest.approx(weight / 2, rel=1e-3)
+    assert rows["limit, least"]["reaction_N"] == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
+    assert rows["static, at rest"]["reaction_N"] == pytest.approx(weight / 2, rel=1e-3)
     assert picture.stat().st_size > 0
     first = pd.read_csv(curve).iloc[0]
-    assert first["reaction (N)"] == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
+    assert first["reaction_N"] == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
 
 
 def drawn_away(span: float, overlap: float, **of_right: float) -> dict[str, Any]:

@@ -4,7 +4,6 @@ import html
 import json
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +18,14 @@ from analysis.report import finding
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
 from analysis.tables.structures import structures_table, verdicts_table
+from sidmacib.answers.answer import LIMIT, STATIC, Answer, of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.verdict import verdict
 from sidmacib.command import structures
 from sidmacib.command.options import units_option
 from sidmacib.command.output import say
-from sidmacib.errors import UnboundedError
+from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.problem import Failures
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from workflow.cases import structure_cases
@@ -55,7 +54,7 @@ def test_a_load_is_carried_with_the_factor_of_the_load_that_counts(
 ) -> None:
     code, found = said(path, {**CUBE, "load": load})
     assert (code, found.partition(";")[0]) == (0 if line.startswith("Yes") else 1, line)
-    rows = json.loads(run("assembly", str(path), "--format", "json").stdout)
+    rows = json.loads(run("assembly", str(path), "--format", "json").stdout)["rows"]
     assert [row["factor"] for row in rows] == [pytest.approx(factor, rel=1e-3)] * len(rows)
 
 
@@ -88,7 +87,9 @@ def test_words_are_in_the_units_that_were_asked_for(path: Path) -> None:
     assert line in text
     assert "permanent loads beside weight, together (0, 0, -1) kN" in text
     assert not re.search(r"verdict\">[^<]* N[ ;.,]", text)
-    rows = json.loads(run("assembly", str(path), "--format", "json", "--units", "kN").stdout)
+    rows = json.loads(run("assembly", str(path), "--format", "json", "--units", "kN").stdout)[
+        "rows"
+    ]
     assert " kN on; without crushing 14.43 kN" in rows[-1]["note"]
 
 
@@ -161,12 +162,14 @@ def test_each_load_case_has_a_line_and_the_lowest_factor_governs(path: Path) -> 
     found = assembly(path, {**CUBE, "load_cases": cases}, "--format", "json")
     assert found.exit_code == 0
     assert found.stderr.startswith("Yes: all 3 cases; wind governs: it carries 5000 N with a fac")
-    rows = json.loads(found.stdout)
+    rows = json.loads(found.stdout)["rows"]
     assert [row["case"] for row in rows] == list(cases)
     assert [row["governs"] for row in rows] == ["yes", "", ""]
     assert [row["factor"] for row in rows[:2]] == pytest.approx([1.962, 3.924], rel=1e-3)
     assert rows[2]["factor"] > 1e5 and rows[2]["carried"] == "yes"
-    assert [row["mesh error / load"] for row in rows[:2]] == pytest.approx([0.01, 0.01], abs=1e-3)
+    assert [row["mesh_error_over_load"] for row in rows[:2]] == pytest.approx(
+        [0.01, 0.01], abs=1e-3
+    )
     note = path.with_suffix(".html")
     assembly(path, {**CUBE, "load_cases": cases}, "--note", str(note))
     for words in ("Mesh error, wind", "acceleration: [1, 0, 0], newtons: 5000", "surcharge:"):
@@ -185,7 +188,7 @@ def test_the_retaining_wall_slides_where_friction_and_earth_say(tmp_path: Path) 
     note = tmp_path / "note.html"
     rows = answers("assembly", f"{ROOT}/studies/structures/retaining.yaml", "--note", str(note))
     assert [row["governs"] for row in rows] == ["", "", "yes"]
-    assert rows[2]["to limit"] == pytest.approx((0.65 * weight - earth) / (0.1 * weight), rel=1e-6)
+    assert rows[2]["to_limit"] == pytest.approx((0.65 * weight - earth) / (0.1 * weight), rel=1e-6)
     words = " ".join(note.read_text().split())
     assert "earthquake governs: it carries 3836 N" in words
     assert "forces in proportion to the masses, along (-1, 0, 0)" in words
@@ -239,9 +242,10 @@ def test_the_lower_of_the_two_models_decides(path: Path) -> None:
 
 
 def test_limit_analysis_decides_a_verdict_where_it_is_lower() -> None:
-    static = static_answer(structure_of({**CUBE, "load": PUSH}))
-    lower = replace(static, failures=Failures(*(0.9 * each for each in static.failures)))
-    found = verdict(static.load, static, lower)
+    static = of_static(static_answer(structure_of({**CUBE, "load": PUSH})))
+    assert static.value
+    found = verdict(static.value, static, Answer(model=LIMIT, value=0.9 * static.value))
+    assert (found.decides, found.told["verdict"]) == ("limit analysis", "no")
     assert found.factor == pytest.approx(0.9) and not found.passes
     assert found.peak == 1.0
     assert found.note == "limit analysis decides, as it is lower: the static model has 1"
@@ -281,10 +285,19 @@ def test_where_neither_model_finds_a_limit_any_load_is_carried(path: Path) -> No
 
 
 def test_limit_analysis_decides_where_the_static_model_finds_no_limit() -> None:
-    static = static_answer(structure_of({**CUBE, "load": PUSH}))
     endless = UnboundedError("no failure up to 1e+13 N: the load can grow without limit")
-    found = verdict(static.load, endless, static)
+    static, limit = Answer(model=STATIC, error=endless), Answer(model=LIMIT, value=9810.0)
+    found = verdict(9810.0, static, limit)
     assert str(found) == f"Yes: it carries 9810 N with a factor of 1 to the limit; {endless}"
+
+
+@pytest.mark.parametrize("value", [500.0, 2000.0])
+def test_nothing_is_decided_by_limit_analysis_that_is_no_bound(value: float) -> None:
+    """Of brittle bonds: neither a yes nor a no."""
+    limit = Answer(model=LIMIT, value=value, bounds=False)
+    for error in (CapacityError("no path"), UnboundedError("any load")):
+        found = verdict(1000.0, Answer(model=STATIC, error=error), limit)
+        assert found.open and not found.passes and not found.decides
 
 
 # --- in studies ----------------------------------------------------------------------------------
@@ -330,32 +343,31 @@ def study_of(description: dict[str, Any], **keys: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", DEMANDED)
-def test_a_study_has_the_verdict_of_the_command(name: str, tmp_path: Path) -> None:
+def test_a_study_has_the_answers_of_the_command(name: str, tmp_path: Path) -> None:
+    """Table, summary, report and JSON: the verdict, what decides, factors, notes of each model."""
     file = tmp_path / "file.yaml"
     said = assembly(file, DEMANDED[name]).stdout.splitlines()[0]
     assert SAID.get(name, "") in said
-    rows = json.loads(run("assembly", str(file), "--format", "json").stdout)
+    told = json.loads(run("assembly", str(file), "--format", "json").stdout)
     records = solved(tmp_path / "study", **study_of(DEMANDED[name]))
     table, found = structures_table(records), verdicts_table(records)
     assert [(t, w) for t, w, _ in verdict_lines(found)] == [("it", said)]
+    assert told["answer"] == said
     assert f"it: {said}\n" in summary("results", table, None, found)
-    told = structures_verdict(table, found)[0]
-    assert told == finding("it", f"{said}.", "good" if said.startswith("Yes") else "bad")
-    if "load_cases" not in DEMANDED[name]:
-        by_model = {row["model"]: row["factor"] for row in rows}
-        bonded = "cohesion" in str(DEMANDED[name])
-        factor = min(filter(None, (by_model["limit"], by_model["static"])))
-        factor = (by_model["static"] or factor) if bonded else factor
-        rows = [{"to limit": by_model["limit"], "factor": factor}]
-    names = {"factor": "factor", "to limit": "limit_factor"}
-    names |= {"to first failure": "first_failure_factor", "to peak": "peak_factor"}
-    for row, own in zip(rows, found.to_dict("records"), strict=True):
-        for key in names.keys() & row.keys():
-            value = math.nan if row[key] is None else row[key]
-            assert own[names[key]] == pytest.approx(value, rel=1e-9, nan_ok=True)
-        if "case" in row:
-            told_of = (row["case"], row["carried"] == "yes", row["governs"] == "yes")
-            assert told_of == (own["load"], own["carried"], own["governs"])
+    card = structures_verdict(table, found)[0]
+    assert card == finding("it", f"{said}.", "good" if said.startswith("Yes") else "bad")
+    governs = found[found["governs"]].iloc[0]
+    assert governs["decides"] == told["decides"] or not told["decides"]
+    factor = told["deciding_factor"]
+    assert governs["factor"] == pytest.approx(math.nan if factor is None else factor, nan_ok=True)
+    assert set(table["input_notes"].dropna()) == {"; ".join(told["notes"])} - {""}
+    for row in told["rows"] if "case" in told["rows"][0] else ():
+        (own,) = found[found["load"].eq(row["case"])].to_dict("records")
+        told_of = (row["carried"] == "yes", row["governs"] == "yes")
+        assert told_of == (own["carried"], own["governs"])
+    of_models = {row.get("model"): row for row in told["rows"]}
+    for row in table[table["load_N"].notna() & table["model"].isin(of_models)].to_dict("records"):
+        assert of_models[row["model"]]["note"] == row["note"]
 
 
 @pytest.mark.study

@@ -48,7 +48,7 @@ class Workspace:
         return [
             *(sys.executable, "-m", "snakemake", "--snakefile", str(self.checkout / "Snakefile")),
             *("--directory", str(self.folder), "--configfile", "study.yaml"),
-            *("--profile", str(self.checkout / "workflow/profiles/default"), *arguments),
+            *("--profile", str(self.checkout / "profiles/default"), *arguments),
         ]
 
     def snakemake(self, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

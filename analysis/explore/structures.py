@@ -17,23 +17,17 @@ from werkzeug.exceptions import NotFound
 
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from analysis.explore.state import Figure, compared
+from sidmacib.answers.answer import Limit, Static
+from sidmacib.answers.ask import Solved, limit_of, static_of
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
 from sidmacib.command.assembly import case_rows
 from sidmacib.command.output import cell
 from sidmacib.command.structure_views import Views
-from sidmacib.command.structures import (
-    Limit,
-    Solved,
-    Static,
-    limit_of,
-    static_of,
-    structure_notes,
-    structure_rows,
-)
+from sidmacib.command.structures import structure_rows
 from sidmacib.scene.forces import arrows_of
 from sidmacib.scene.page import page
-from sidmacib.structure.files.structure_file import Demand, demands_of, description_in
+from sidmacib.structure.files.structure_file import Demand, demands_of, description_in, notes_on
 from sidmacib.structure.loads import SupportMotion
 from sidmacib.yaml_text import read_yaml
 
@@ -62,10 +56,9 @@ class StructureAnswer:
 
         ``more_notes``: beside those of the command.
         """
-        demand, _, static = solved
-        notes = [*more_notes, *structure_notes(demand.problem, description)]
-        verdict = "" if demand.newtons is None else str(solved.verdict)
-        views = Views.of(path, description, solved, notes, verdict)
+        demand, static = solved.demand, solved.static
+        notes = [*more_notes, *notes_on(demand.problem, description)]
+        views = Views.of(path, description, solved, notes, str(solved.verdict or ""))
         counts = static.counts.name if isinstance(static, StaticAnswer) else None
         return cls(description, views, structure_rows(solved), counts)
 
@@ -244,7 +237,7 @@ def _opened(path: Path) -> OpenedFile:
     if demand.case is None:
         solved = Solved.of(demand)
     else:
-        _, words, _, solved = case_rows(demands)
+        _, words, solved = case_rows(demands)
         name = f"{path.name} --case {shlex.quote(str(solved.demand.case))}"
         notes = [f"{words}."]
     return OpenedFile(name, StructureAnswer.of(path, description, solved, notes))

@@ -29,7 +29,9 @@ def summary(
     ):
         value, share = TILT if rows["tilt_degrees"].notna().any() else LOAD
         head = f"  {'model':10}{value:>14}{share:>13}{'to static':>11}  note"
-        lines += ["", f"{structure}, load: {varied(load, variant)}", head]
+        lines += ["", f"{structure}, load: {varied(load, variant)}"]
+        lines += [f"  Note: {note}" for note in rows["input_notes"].dropna().unique()]
+        lines.append(head)
         lines += map(_line, rows.to_dict("records"))
     if supports is not None:
         lines += _of_supports(supports)
@@ -52,8 +54,8 @@ def verdict_lines(verdicts: pd.DataFrame) -> Iterator[tuple[str, str, bool]]:
             )
             for row in rows.to_dict("records")
         ]
-        words = str(found[0]) if len(found) == 1 else on_all(names, found)
-        yield varied(structure, variant), words, all(each.passes for each in found)
+        whole = found[0] if len(found) == 1 else on_all(names, found)
+        yield varied(structure, variant), str(whole), whole.passes
 
 
 def _of_supports(table: pd.DataFrame) -> Iterator[str]:
@@ -101,12 +103,13 @@ def structure_disagreement(row: Mapping[str, Any]) -> str:
 def _notes(row: Mapping[str, Any]) -> Iterator[str]:
     if words := structure_disagreement(row):
         yield words
-    if pd.notna(row["counts"]):
+    if pd.notna(row["note"]):
+        yield row["note"]
+    elif pd.notna(row["counts"]):
         yield f"the {row['counts']} counts: {row['because']}"
+        yield f"failure mode: {row['mode']}"
     if row["counts"] == FIRST_FAILURE:
         yield f"peak: {peak(row)}"
-    if pd.notna(row["mode"]):
-        yield f"failure mode: {row['mode']}"
     if pd.notna(row["first_interface"]):
         error = row["first_failure_mesh_error"]
         about = "" if pd.isna(error) else f" (mesh error {100 * error:.1f} %)"

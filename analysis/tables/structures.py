@@ -7,8 +7,9 @@ from typing import Any
 
 import pandas as pd
 
+from sidmacib.answers.answer import Answer
 from sidmacib.answers.structure_paths import counting, without_other_meshes
-from sidmacib.answers.verdict import KeptAnswer, Verdict, governing, verdict
+from sidmacib.answers.verdict import Verdict, governing, verdict
 from sidmacib.engines import ENGINES
 from sidmacib.engines.curve import yade_answer
 from sidmacib.errors import (
@@ -129,41 +130,46 @@ def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[
     }
 
 
-def _answer(record: StructureRecord | None, model: str) -> KeptAnswer | CapacityError:
-    """What decides of a ``record``, or why there is no result."""
+def _answer(record: StructureRecord | None, model: str) -> Answer:
+    """The answer of a ``model`` that a ``record`` keeps, or why there is no result."""
     if record is None:
-        return CapacityError(f"{MODELS[model].label} is not in the study")
+        error = CapacityError(f"{MODELS[model].label} is not in the study")
+        return Answer(model=model, error=error)
     if record.load_N is None:
         words = (record.error or record.refused or "").removeprefix(f"{record.model}: ")
-        return RAISED.get(record.raised or "", CapacityError)(words)
+        return Answer(model=model, error=RAISED.get(record.raised or "", CapacityError)(words))
     part, peak, first = record.part, record.peak_N, record.first_failure_load_N
     peak = record.load_N if peak is None else peak
-    failures = Failures(peak if first is None else first, peak)
-    counts = Counts(part.counts != FIRST_FAILURE, part.because or "")
-    return KeptAnswer(record.load_N, failures, counts, part.mesh_error, record.mode)
+    return Answer(
+        model=model,
+        value=record.load_N,
+        failures=Failures(peak if first is None else first, peak),
+        counts=Counts(part.counts != FIRST_FAILURE, part.because or ""),
+        mesh_error=part.mesh_error,
+        mode=record.mode,
+        bounds=not part.bonded,
+        notes=(part.note,) if part.note else (),
+    )
 
 
 def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
     """One row for each load that is to be carried, by the static model and limit analysis."""
     known = {each.folder: each for each in records}
     cases = {each.name: each for each in records if each.part.required_N is not None}
-    bonded = {
-        each.name for each in records if any(row.bonded_share for row in each.part.interfaces)
-    }
     groups: dict[tuple[str, str], list[tuple[StructureRecord, Verdict]]] = {}
     for each in cases.values():
         static, limit = (
             _answer(known.get(f"{each.kind}/{model}/{each.name}"), model)
             for model in (REFERENCE_MODEL, "limit")
         )
-        dry = each.name not in bonded
-        found = verdict(each.part.required_N or 0.0, static, limit, dry=dry)
+        found = verdict(each.part.required_N or 0.0, static, limit)
         groups.setdefault((each.part.structure, each.variant), []).append((each, found))
     return VERDICTS.frame(
         {
             **{"structure": record.part.structure, "load": record.part.load},
             **{"variant": record.variant, "required_N": found.newtons, "carried": found.passes},
-            **{"open": found.open, "factor": found.factor, "first_failure_factor": found.first},
+            **{"open": found.open, "factor": found.factor, "decides": found.decides or None},
+            "first_failure_factor": found.first,
             **{"peak_factor": found.peak, "limit_factor": found.limit},
             **{"governs": number == first, "verdict": found.reasons},
         }

@@ -10,37 +10,20 @@ limit analysis decides alone. Both models may be asked here, or have been asked 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Any
 
-from sidmacib.answers.structure_paths import CRUSHING, LOWER, StaticAnswer, bond_fails
+from sidmacib.answers.answer import Answer
+from sidmacib.answers.structure_paths import CRUSHING, LOWER, bond_fails
 from sidmacib.errors import (
-    CapacityError,
     InfeasibleError,
     NoEquilibriumError,
     NoStiffnessError,
     UnboundedError,
 )
 from sidmacib.mechanics.solution import Mode
-from sidmacib.problem import Counts, Failures
 from sidmacib.quantities import four_digits
 
-if TYPE_CHECKING:
-    from sidmacib.mechanics.limit import LimitState
-
-
-@dataclass(frozen=True)
-class KeptAnswer:
-    """What decides of an answer that a study keeps; the same stands in a `StaticAnswer`.
-
-    ``load``: the one that counts, N; ``counts``: whether that is the peak, and why; ``mesh_error``:
-    of that load, over it; ``mode``: how it fails.
-    """
-
-    load: float
-    failures: Failures
-    counts: Counts
-    mesh_error: float | None
-    mode: str | None
+BY_LIMIT = "limit analysis"
 
 
 @dataclass(frozen=True)
@@ -49,14 +32,15 @@ class Verdict:
 
     ``factor``: of the load that decides; ``first``, ``peak``: of the first failure and the peak in
     the static model; ``limit``: of limit analysis; None where there is no answer, or no limit.
-    ``words``: without yes or no; ``note``: what the factors rest on. ``open``: neither yes nor no,
-    so that it does not pass.
+    ``words``: without yes or no; ``note``: what the factors rest on; ``decides``: the model and
+    the load that does, if one does. ``open``: neither yes nor no, so that it does not pass.
     """
 
     newtons: float
     passes: bool
     words: str
     note: str = ""
+    decides: str = ""
     open: bool = False
     factor: float | None = None
     first: float | None = None
@@ -65,6 +49,17 @@ class Verdict:
 
     def __str__(self) -> str:
         return f"{self.said}: {self.reasons}"
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What a file says of it, by name."""
+        return {
+            "verdict": self.said.lower(),
+            "carried": self.passes,
+            "decides": self.decides or None,
+            "deciding factor": self.factor,
+            "answer": str(self),
+        }
 
     @property
     def said(self) -> str:
@@ -77,63 +72,52 @@ class Verdict:
         return "; ".join(filter(None, (self.words, self.note)))
 
 
-def verdict(
-    newtons: float,
-    static: StaticAnswer | KeptAnswer | CapacityError,
-    limit: "LimitState | KeptAnswer | CapacityError",
-    *,
-    dry: bool = True,
-) -> Verdict:
-    """The verdict on a load of ``newtons``, by the answers of both models.
-
-    ``dry``: whether no face is bonded.
-    """
-    most = None if isinstance(limit, CapacityError) else limit.load / newtons
-    if not isinstance(static, CapacityError):
+def verdict(newtons: float, static: Answer, limit: Answer) -> Verdict:
+    """The verdict on a load of ``newtons``, by the answers of both models."""
+    most = None if limit.value is None else limit.value / newtons
+    if static.value is not None:
         found = _by_static(newtons, static, most)
         assert found.factor is not None
-        if most is None or not dry or most >= found.factor * (1.0 - LOWER):
+        if most is None or not limit.bounds or most >= found.factor * (1.0 - LOWER):
             return found
-        of_static = factor_of(static.load / newtons)
+        of_static = factor_of(static.value / newtons)
         note = f"limit analysis decides, as it is lower: the static model has {of_static}"
         by_limit = _by_limit(newtons, most, note)
         return replace(by_limit, first=found.first, peak=found.peak)
-    for error in (static, limit):
+    for error in (static.error, limit.error):
         if isinstance(error, NoEquilibriumError | InfeasibleError):
             return Verdict(newtons, False, lower_first(str(error)), limit=most)
     return _without_static(newtons, static, limit, most)
 
 
-def _without_static(
-    newtons: float,
-    static: CapacityError,
-    limit: "LimitState | KeptAnswer | CapacityError",
-    most: float | None,
-) -> Verdict:
+def _without_static(newtons: float, static: Answer, limit: Answer, most: float | None) -> Verdict:
     """The verdict by limit analysis, whose factor is ``most``, if it has one."""
-    if isinstance(static, NoStiffnessError | UnboundedError):
-        if isinstance(limit, UnboundedError):
+    if isinstance(static.error, NoStiffnessError | UnboundedError):
+        if isinstance(limit.error, UnboundedError):
             words = f"it carries {four_digits(newtons)} N and any multiple of it"
             return Verdict(newtons, True, words, "neither bending nor splitting is considered")
-        if most is not None:
-            return _by_limit(newtons, most, str(static))
-    without = f"the static model has no answer: {static}"
-    if most is not None and most < 1.0:
+        if most is not None and (limit.bounds or isinstance(static.error, NoStiffnessError)):
+            return _by_limit(newtons, most, str(static.error))
+    without = f"the static model has no answer: {static.error}"
+    if most is not None and most < 1.0 and limit.bounds:
         return _by_limit(newtons, most, f"limit analysis; {without}")
     words = f"nothing shows that it carries {four_digits(newtons)} N"
-    told = str(limit) if most is None else f"limit analysis: {factor_of(most)}"
-    note = f"{without}; {told}; it may overestimate"
+    told = str(limit.error) if most is None else f"limit analysis: {factor_of(most)}"
+    note = f"{without}; {told}; it {'may overestimate' if limit.bounds else 'is no bound'}"
     return Verdict(newtons, False, words, note, open=True, limit=most)
 
 
 def _by_limit(newtons: float, most: float, note: str) -> Verdict:
     words = by_factors(f"{four_digits(newtons)} N", most, f"{factor_of(most)} to the limit")
-    return Verdict(newtons, most >= 1.0, words, note, factor=most, limit=most)
+    return Verdict(newtons, most >= 1.0, words, note, BY_LIMIT, factor=most, limit=most)
 
 
-def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | None) -> Verdict:
+def _by_static(newtons: float, static: Answer, most: float | None) -> Verdict:
+    assert static.value is not None
+    assert static.failures is not None
+    assert static.counts is not None
     first, peak = static.failures.first / newtons, static.failures.peak / newtons
-    factor, error = static.load / newtons, static.mesh_error or 0.0
+    factor, error = static.value / newtons, static.mesh_error or 0.0
     factors, notes = factor_of(peak), []
     if bond_fails(static.failures):
         factors = f"{factor_of(first)} to the first failure, {factor_of(peak)} to the peak"
@@ -146,8 +130,15 @@ def _by_static(newtons: float, static: StaticAnswer | KeptAnswer, most: float | 
     if left_open:
         within = f"it may carry {four_digits(newtons)} N, within the mesh error"
         words = f"{within} of {100.0 * error:.2g} %: its factor is {factors}"
-    carried, numbers = factor >= 1.0 and not left_open, (factor, first, peak, most)
-    return Verdict(newtons, carried, words, "; ".join(notes), left_open, *numbers)
+    return Verdict(
+        newtons,
+        factor >= 1.0 and not left_open,
+        words,
+        "; ".join(notes),
+        f"static model, {static.counts.name}",
+        left_open,
+        *(factor, first, peak, most),
+    )
 
 
 def factor_of(value: float) -> str:
@@ -163,18 +154,22 @@ def by_factors(load: str, factor: float, factors: str) -> str:
     return f"it does not carry {load}: its factor is {factors}"
 
 
-def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> str:
-    """The verdict on several load cases in words; ``names``: of the cases."""
+def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> Verdict:
+    """The verdict on several load cases, with the numbers of the one that governs.
+
+    ``names``: of the cases.
+    """
     lost = [name for name, each in zip(names, verdicts, strict=True) if not each.passes]
     left_open = bool(lost) and all(each.open for each in verdicts if not each.passes)
-    said, first = "Open" if left_open else "No" if lost else "Yes", governing(verdicts)
+    first = governing(verdicts)
     if len(names) == 1:
-        return f"{said}: {names[0]}; {verdicts[0].reasons}"
+        return replace(verdicts[0], words=f"{names[0]}; {verdicts[0].words}")
     carried = f"all {len(names)} cases"
     if lost:
         ends = "left open" if left_open else "not carried"
         carried = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} {ends}"
-    return f"{said}: {carried}; {names[first]} governs: {verdicts[first].reasons}"
+    words = f"{carried}; {names[first]} governs: {verdicts[first].words}"
+    return replace(verdicts[first], passes=not lost, open=left_open, words=words)
 
 
 def governing(verdicts: Sequence[Verdict]) -> int:

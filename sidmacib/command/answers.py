@@ -11,13 +11,14 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from sidmacib.engines import ENGINES
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, reason
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.problem import Failures, checked_share
 from sidmacib.quantities import four_digits
 
 if TYPE_CHECKING:
+    from sidmacib.answers.verdict import Verdict
     from sidmacib.rule import LawCapacity
     from sidmacib.rule.inverse import Demand
     from sidmacib.rule.reliability import Reliability
@@ -215,12 +216,12 @@ def capacity_rows(
 
 def with_factors(
     rows: Sequence[Row], demand: "Demand", joint: Joint
-) -> tuple[list[Row], str, bool]:
-    """The ``rows`` with factors on the load of ``demand``, the verdict, and whether it is yes.
+) -> "tuple[list[Row], Verdict]":
+    """The ``rows`` with factors on the load of ``demand``, and the verdict.
 
     The design resistance decides, else the safe rule, else the first model that was asked.
     """
-    from sidmacib.answers.verdict import by_factors, factor_of
+    from sidmacib.answers.verdict import Verdict, by_factors, factor_of
 
     direction, load = demand.direction(joint), demand.load(joint)
     shear, torque = load * direction.shear, load * direction.torque * joint.a
@@ -231,21 +232,14 @@ def with_factors(
         factor = None if row[key] is None else row[key] / needed
         found[row["model"]] = {**loads, "factor": factor, **row}
     name = next(name for name in ("design", "safe", *found) if name in found)
-    factor, by = found[name]["factor"], f"by {WORDS[name]}"
+    factor, by = found[name]["factor"], WORDS[name]
     if factor is None:
-        return [*found.values()], f"No answer {by}: {found[name]['note']}", False
+        words = f"{by} has no answer: {found[name]['note']}"
+        return [*found.values()], Verdict(load, False, words, open=True)
     both = (("V", shear, "N"), ("M", torque, "N m"))
     what = ", ".join(f"{k} = {four_digits(size)} {unit}" for k, size, unit in both if size)
-    words = by_factors(what, factor, f"{factor_of(factor)} {by}")
-    return [*found.values()], f"{'Yes' if factor >= 1.0 else 'No'}: {words}", factor >= 1.0
-
-
-def reason(error: Exception) -> str:
-    """Why a model has no answer, in one line."""
-    message = " ".join(str(error).split()) or type(error).__name__
-    if isinstance(error, ArithmeticError):
-        return f"numbers are too large or too small for the model ({message})"
-    return message
+    words = by_factors(what, factor, f"{factor_of(factor)} by {by}")
+    return [*found.values()], Verdict(load, factor >= 1.0, words, decides=by, factor=factor)
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:

@@ -9,17 +9,14 @@ from typing import Any
 
 import click
 
-from sidmacib.answers.verdict import governing, lower_first, on_all
+from sidmacib.answers.ask import Solved, limit_of, static_of
+from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all
 from sidmacib.command.answers import Row
 from sidmacib.command.output import draw, require_answer, say, text_of, write_text
 from sidmacib.command.structures import (
-    Solved,
     curve_rows,
     force_rows,
-    limit_of,
     note_turned,
-    static_of,
-    structure_notes,
     structure_rows,
     support_rows,
     telling,
@@ -33,7 +30,7 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import LimitTilt, assumes
 from sidmacib.structure.analysis.reserve import Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
-from sidmacib.structure.files.structure_file import Demand, demands_of
+from sidmacib.structure.files.structure_file import Demand, demands_of, notes_on
 from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
 from sidmacib.validation import refused
 
@@ -68,6 +65,11 @@ class Wanted:
     def still(self) -> Path | None:
         """The file for a picture of the structure, not of the capacity curve."""
         return self.picture if self.capacity_curve is None else None
+
+    def show(self, rows: Sequence[Row], **about: Any) -> None:
+        """Print ``rows``; ``about``: what JSON and CSV say beside them and the input."""
+        given = {"file": self.file.name, "input": self.description, "notes": list(self.notes)}
+        click.echo(text_of(rows, self.form, {**about, **given}))
 
     @property
     def draws(self) -> bool:
@@ -114,7 +116,7 @@ def passes(wanted: Wanted) -> bool:
     first = demands[0]
     if wanted.engines and not isinstance(first.problem.loads, SupportMotion):
         raise click.UsageError("--model: is for a support that moves only")
-    wanted = replace(wanted, notes=structure_notes(first.problem, wanted.description))
+    wanted = replace(wanted, notes=notes_on(first.problem, wanted.description))
     for line in wanted.notes:
         click.echo(f"Note: {line}", err=True)
     if wanted.case is not None:
@@ -138,12 +140,12 @@ def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
     """The verdict on all load cases; the one that governs is drawn and noted."""
     others = "interfaces", "compas", "capacity_curve"
     wanted.refuse("needs --case, as the file has load_cases", *others)
-    rows, words, passes, governs = case_rows(demands)
-    say(words, wanted.form)
-    click.echo(text_of(rows, wanted.form))
+    rows, found, governs = case_rows(demands)
+    say(str(found), wanted.form)
+    wanted.show(rows, **found.told)
     if wanted.draws:
-        wanted.draw(rows, governs, words)
-    return passes
+        wanted.draw(rows, governs, str(found))
+    return found.passes
 
 
 def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
@@ -151,7 +153,7 @@ def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
     wanted.refuse("needs a load", "interfaces", "compas", "capacity_curve")
     rows, words, passes, weakest = reserve_rows(demand.problem)
     say(words, wanted.form)
-    click.echo(text_of(rows, wanted.form))
+    wanted.show(rows, verdict=words.partition(":")[0].lower(), answer=words)
     if wanted.draws:
         assembly, loads = demand.problem
         assert isinstance(loads, StructureLoads), "loads of a structure"
@@ -166,7 +168,7 @@ def _answer_support(wanted: Wanted, problem: Problem) -> None:
     others = "interfaces", "compas", "report", "note"
     wanted.refuse("must not be given where a support moves", *others)
     rows, moves = support_rows(problem, "yade" in wanted.engines)
-    click.echo(text_of(rows, wanted.form))
+    wanted.show(rows)
     write_curve(moves, wanted.file.stem, wanted.capacity_curve, wanted.picture)
 
 
@@ -181,15 +183,16 @@ def _load_passes(wanted: Wanted, demand: Demand) -> bool:
     solved = Solved(demand, limit, static_of(problem, limit, tell))
     if wanted.draws or not wanted.interfaces:
         rows = structure_rows(solved, tell)
-        if demand.newtons is not None:
-            verdict = solved.verdict
+        verdict = solved.verdict
+        if verdict is not None:
             say(str(verdict), wanted.form)
     shown = rows
     if wanted.interfaces:
         if isinstance(solved.static, CapacityError):
             raise solved.static
         shown = force_rows(solved.static)
-    click.echo(text_of(shown, wanted.form))
+    told = verdict.told if verdict else {}
+    wanted.show(shown, **{"case": demand.case, "required (N)": demand.newtons}, **told)
     if wanted.compas is not None:
         from sidmacib.structure.files.compas_results import write_compas_results
 
@@ -206,13 +209,10 @@ def _load_passes(wanted: Wanted, demand: Demand) -> bool:
     return verdict is None or verdict.passes
 
 
-def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool, Solved]:
-    """One row for each load case, the verdict on all of them, and whether all are carried.
-
-    And the case that governs.
-    """
+def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], Verdict, Solved]:
+    """One row for each load case, the verdict on all of them, and the case that governs."""
     solved = [Solved.of(demand) for demand in demands]
-    found = [each.verdict for each in solved]
+    found = [each.verdict for each in solved if each.verdict is not None]
     names = [str(demand.case) for demand in demands]
     first = governing(found)
     rows: list[Row] = [
@@ -224,13 +224,14 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool, Solved]:
             "to first failure": each.first,
             "to peak": each.peak,
             "to limit": each.limit,
-            "mesh error / load": getattr(answer.static, "mesh_error", None),
+            "decides": each.decides,
+            "mesh error / load": answer.of_static.mesh_error,
             "governs": "yes" if each is found[first] else "",
             "note": each.note or each.words,
         }
         for name, answer, each in zip(names, solved, found, strict=True)
     ]
-    return rows, on_all(names, found), all(each.passes for each in found), solved[first]
+    return rows, on_all(names, found), solved[first]
 
 
 def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:

@@ -9,6 +9,7 @@ import click
 
 from sidmacib.command.answers import (
     MODELS,
+    Row,
     capacity_rows,
     effect_rows,
     law_rows,
@@ -48,6 +49,7 @@ from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint import Direction
 from sidmacib.joint.loading import Push
 from sidmacib.quantities import Number
+from sidmacib.validation import plain
 
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
@@ -187,15 +189,20 @@ def capacity(
 
         needed = None if demand is None else demand.load(joint)
         write_note(Case(joint, Direction(directions[0]), Push(push), reliability, needed), note)
-    passes = True
+    told = [*meaning(reliability, joint)]
+    about: Row = {"input": {**plain(joint), "push": push}, "notes": told}
     if demand is not None:
-        rows, words, passes = with_factors(rows, demand, joint)
-        say(words, form)
-    click.echo(text_of(rows, form))
+        rows, verdict = with_factors(rows, demand, joint)
+        say(str(verdict), form)
+        direction, load = demand.direction(joint), demand.load(joint)
+        about["required V (N)"] = load * direction.shear
+        about["required M (N m)"] = load * direction.torque * joint.a
+        about |= verdict.told
+    click.echo(text_of(rows, form, about))
     if form == "table":
-        click.echo("\n".join(meaning(reliability, joint)))
+        click.echo("\n".join(told))
     require_answer(rows)
-    if not passes:
+    if not about.get("carried", True):
         sys.exit(1)
 
 

@@ -8,15 +8,16 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sidmacib.command import FAULT
-from sidmacib.command.answers import ERRORS, Row, reason
+from sidmacib.command.answers import ERRORS, Row
 from sidmacib.drawing import BLUE, ORANGE, vm_axes, vm_curve, write_figure
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, reason
 from sidmacib.joint import Joint
 from sidmacib.models import MODELS
 from sidmacib.quantities import MEASURED_IN, four_digits
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("table", "json", "csv")
+SENTENCES = ("note", "notes", "answer")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
 # Of models, as in the figures of studies.
 COLOURS = {name: model.colour for name, model in MODELS.items()}
@@ -38,14 +40,21 @@ _MEASURED = re.compile(
 BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 
-def text_of(rows: Sequence[Row], form: str) -> str:
+def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     """``rows`` in one of `FORMATS`, in the units that were asked for; JSON and CSV have all digits.
 
-    A column in m, N and so on has its unit at the end of its name, in brackets.
+    A column in m, N and so on has its unit at the end of its name: in a table in brackets, else
+    after an underscore. ``about``: what JSON says beside the rows, and CSV, if in one word, in
+    columns of its own.
     """
-    rows = in_asked_units(rows)
+    rows, beside = in_asked_units(rows), in_asked_units([about or {}])[0]
+    if form != "table":
+        rows, beside = [_plain(row) for row in rows], {"version": version(), **_plain(beside)}
     if form == "json":
-        return json.dumps(rows, indent=1)
+        return json.dumps({**beside, "rows": rows}, indent=1)
+    if form == "csv" and about is not None:
+        same = {k: value for k, value in beside.items() if not isinstance(value, list | dict)}
+        rows = [{**row, **same, **row} for row in rows]
     head = list(rows[0]) if rows else []
     if form == "csv":
         stream = io.StringIO()
@@ -66,14 +75,31 @@ def text_of(rows: Sequence[Row], form: str) -> str:
     return "\n".join(lines)
 
 
+def version() -> str:
+    """Of this program."""
+    return metadata.version("multilock")
+
+
+def _plain(row: Row) -> Row:
+    """The ``row`` with names as programs read them: ``load / weight`` is ``load_over_weight``."""
+    return {_plain_name(name): value for name, value in row.items()}
+
+
+def _plain_name(name: str) -> str:
+    for words, other in (("N m", "Nm"), ("%", "percent"), (" / ", " over "), ("/", " over ")):
+        name = name.replace(words, other)
+    return "_".join(re.findall(r"[^\s,()]+", name))
+
+
 def in_asked_units(rows: Sequence[Row]) -> list[Row]:
     """``rows`` in the units that were asked for, their notes too."""
     asked = _asked_units()
 
     def converted(key: str, value: Any) -> tuple[str, Any]:
         name, _, unit = key.removesuffix(")").rpartition(" (")
-        if key == "note":
-            return key, in_asked_words(value)
+        if key in SENTENCES:
+            many = isinstance(value, list)
+            return key, [*map(in_asked_words, value)] if many else in_asked_words(value)
         if unit not in asked or not key.endswith(")"):
             return key, value
         other, size = asked[unit]

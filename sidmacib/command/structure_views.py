@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 import yaml
 
+from sidmacib.answers.answer import Limit, Static
+from sidmacib.answers.ask import Solved
 from sidmacib.answers.structure_paths import StaticAnswer
-from sidmacib.command.answers import Row, reason
+from sidmacib.command.answers import Row
 from sidmacib.command.output import cell, in_asked_units, in_asked_words
-from sidmacib.command.structures import Limit, Solved, Static
 from sidmacib.drawing import write_figure
-from sidmacib.errors import CapacityError, NoEquilibriumError
+from sidmacib.errors import CapacityError, NoEquilibriumError, reason
 from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece, Vector
 from sidmacib.mechanics.crushing import crushed_faces, strength_of
 from sidmacib.models import MODELS, structure_limit, structure_static

@@ -1,11 +1,12 @@
 """Limit analysis of a structure, with associated friction."""
 
+from sidmacib.answers.answer import of_limit
+from sidmacib.answers.ask import found_for
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
-from sidmacib.structure.analysis.limit import LimitTilt, limit_mesh_error, limit_state, limit_tilt
+from sidmacib.structure.analysis.limit import LimitTilt
 from sidmacib.structure.analysis.tilt import load_of_tilt
-from sidmacib.structure.loads import naming_permanent
 
 
 def solve(problem: Problem) -> Outcome:
@@ -13,26 +14,19 @@ def solve(problem: Problem) -> Outcome:
     return outcome_of(problem, found_for(problem))
 
 
-def found_for(problem: Problem) -> LimitState | LimitTilt:
-    """The limit load, or the angle where gravity turns; errors of `solve`."""
-    assembly, loads = problem
-    if loads.axis is None:
-        return limit_state(assembly, loads)
-    with naming_permanent(loads):
-        return limit_tilt(assembly, loads)
-
-
 def outcome_of(problem: Problem, found: LimitState | LimitTilt) -> Outcome:
     """What limit analysis has ``found`` for a structure as an outcome."""
     if isinstance(found, LimitTilt):
-        value, state = found.angle, State(load_of_tilt(found.angle, problem.loads))
+        state = State(load_of_tilt(found.angle, problem.loads))
     else:
         bonded = ContactLaw.of(problem.assembly).cohesive
-        value, state = found.load, State(found.load, force=found.force, bonded=bonded)
+        state = State(found.load, force=found.force, bonded=bonded)
+    answer = of_limit(problem, found)
     return Outcome(
         (state,),
         failed_load=state.load,
         motion=found.mechanism,
         motion_kind=MECHANISM,
-        mesh_errors=MeshErrors(None, limit_mesh_error(problem, value)),
+        mesh_errors=MeshErrors(None, answer.mesh_error),
+        notes=answer.notes,
     )

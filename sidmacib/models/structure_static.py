@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from sidmacib.answers.answer import of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import CRUSHING, StaticAnswer, bond_fails, followed
 from sidmacib.errors import CapacityError
@@ -54,6 +55,7 @@ def outcome_of(problem: Problem, answer: StaticAnswer, given: Failures | None = 
         counts=answer.counts,
         cells=answer.assembly,
         given=given and Failures(*map(load_of, given)),
+        notes=of_static(answer).notes,
     )
 
 

@@ -3,10 +3,11 @@
 from dataclasses import dataclass, replace
 
 from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.equilibrium import has_bonds
 from sidmacib.problem import Outcome
 from sidmacib.quantities import rounded
 from sidmacib.structure.analysis.forces import BlockRow, InterfaceRow, block_rows, interfaces_of
-from sidmacib.structure.files.structure_file import required_of
+from sidmacib.structure.files.structure_file import notes_on, required_of
 from sidmacib.structure.loads import free_weight
 from workflow.case import StructureCase
 from workflow.results import Record
@@ -22,7 +23,9 @@ class StructurePart:
     ``required_N``: how much of the load is to be carried, if the description says.
     ``mesh_error``: of the load that counts, over it, and ``first_failure_mesh_error``; None where
     no other mesh was solved.
-    ``first_interface``: whose bond fails first.
+    ``first_interface``: whose bond fails first. ``bonded``: whether there are bonds. ``note``: what
+    the answer rests on, and ``input_notes``: what looks wrong in the description, or is left to
+    defaults, both in words.
     """
 
     structure: str
@@ -38,6 +41,9 @@ class StructurePart:
     mesh_error: float | None = None
     first_failure_mesh_error: float | None = None
     nodes: int | None = None
+    bonded: bool | None = None
+    note: str | None = None
+    input_notes: str | None = None
     interfaces: tuple[InterfaceRow, ...] = ()
     blocks: tuple[BlockRow, ...] = ()
 
@@ -72,6 +78,10 @@ class StructurePart:
             mesh_error=errors.peak if counts is None or counts.peak else errors.first,
             first_failure_mesh_error=errors.first,
             nodes=len(assembly.nodes.area),
+            bonded=has_bonds(assembly),
+            note="; ".join(outcome.notes) or None,
+            input_notes="; ".join(notes_on(case.subject.problem(), case.subject.description))
+            or None,
             interfaces=interfaces_of(assembly, outcome),
             blocks=block_rows(assembly, outcome),
         )

@@ -175,7 +175,7 @@ STRUCTURES = Table(
         *("first_interface", "most_used_interface", "mode", "peak_spread"),
         *("mesh_error", "first_failure_mesh_error", "unbalanced_share"),
         *("static_load_N", "static_tilt_degrees", "difference_to_static"),
-        *("refused", "error", "versions", "case"),
+        *("note", "input_notes", "refused", "error", "versions", "case"),
     ),
     _STRUCTURE,
     (*_SHARES, "load_over_weight", "nodes", "blocks", "interfaces"),
@@ -183,7 +183,7 @@ STRUCTURES = Table(
 VERDICTS = Table(
     "verdicts",
     (
-        *("structure", "load", "variant", "required_N", "carried", "open", "factor"),
+        *("structure", "load", "variant", "required_N", "carried", "open", "factor", "decides"),
         *("first_failure_factor", "peak_factor", "limit_factor", "governs", "verdict"),
     ),
     ("structure", "load", "variant"),

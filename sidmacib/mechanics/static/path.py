@@ -24,7 +24,9 @@ OVER_THE_TOP = 1e-3  # of the load: above it, pieces that drift may come to rest
 LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
 MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
 DEEP = 0.1  # of the assembly's length: faces pressed in by so much are no joints any more
-TURNED = 0.1  # rad: a piece that turned so far has left its place, whatever it carries elsewhere
+FARTHEST_TURN = (
+    0.05  # rad: a piece that turned so far has left its place, whatever it carries elsewhere
+)
 TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
 SAME_TOP = 1e-2  # of the load: a top this near to another is it, with other increments
 
@@ -83,7 +85,7 @@ class _Rise:
         """The nodes that fail at the end of the path; None if it goes on."""
         low, used = self.path[-1], self._used(self.path[-1])
         deep = low.closing >= DEEP * self.solver.size
-        if self.solver.finite and (deep or low.rotation >= TURNED):
+        if self.solver.finite and (deep or low.rotation >= FARTHEST_TURN):
             return np.zeros(len(low.force), bool)
         if (most := used.max()) >= 1.0 - LEAST_INCREMENT:
             return np.asarray(used >= most * (1.0 - TOGETHER))
@@ -151,7 +153,7 @@ def _to_the_top(solver: Solver, path: list[Equilibrium]) -> bool:
     falls, step = False, path[-1].displacement - path[-2].displacement
     for _ in range(MOST_TO_THE_TOP):
         low = path[-1]
-        if low.rotation >= TURNED or not step > LEAST_INCREMENT * abs(low.displacement):
+        if low.rotation >= FARTHEST_TURN or not step > LEAST_INCREMENT * abs(low.displacement):
             break
         try:
             point = solver.at_displacement(low.displacement + step, low, low.state)

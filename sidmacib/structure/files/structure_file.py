@@ -11,7 +11,12 @@ from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.block_files import SUFFIXES, FileSection
 from sidmacib.structure.files.compas import NAME
-from sidmacib.structure.files.loads import LoadSection, PermanentSection, permanent_on
+from sidmacib.structure.files.loads import (
+    LoadSection,
+    PermanentSection,
+    load_warnings,
+    permanent_on,
+)
 from sidmacib.structure.files.sections import (
     FROM_FILE,
     LocksSection,
@@ -22,6 +27,7 @@ from sidmacib.structure.interfaces import NEAR, Interface, in_order, interfaces,
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import Pair, rows_of, structure
+from sidmacib.structure.warnings import structure_warnings
 from sidmacib.yaml_text import read_yaml
 
 OF_BLOCKS = ".json", *SUFFIXES  # endings of files that have blocks
@@ -115,6 +121,22 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
         loads = case.on(assembly, always + own, key)
         found.append(Demand(Problem(assembly, loads), case.amount(assembly), name))
     return tuple(found)
+
+
+def notes_on(problem: Problem, description: Any) -> list[str]:
+    """A line each for what looks wrong in a ``description``, and for what it leaves to defaults.
+
+    ``problem``: that it is of.
+    """
+    given = StructureFile.read(description)
+    notes = structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
+    notes += load_warnings(problem.assembly, given.pushed)
+    if given.assumed:
+        notes.append(f"assumed: {', '.join(' '.join(each) for each in given.assumed.items())}")
+    laws = (given.interfaces, *given.special)
+    if given.locks and any(law.compressive_strength is not None for law in laws):
+        notes.append("compressive_strength: does not limit interfaces with locks")
+    return notes
 
 
 def required_of(description: Mapping[str, Any], assembly: Assembly | None = None) -> float | None:
