@@ -271,6 +271,15 @@ def test_half_of_the_locks_may_be_counted_where_an_option_is_safe() -> None:
     assert lines[1] == "  strong safe (Option 3)"
 
 
+def test_of_joints_of_ones_own_what_they_carry_is_answered_first() -> None:
+    study = study_of(samples={"mine": {"locks": 4, "a": 0.08}})
+    first, *others = summary("there", tables_for(study), [0.02, 0.01]).splitlines()
+    shear = safe(study.joint("mine"), Direction(0)).shear
+    known = "What does each joint carry? By the safe rule, V (N) or M (N m): mine V "
+    assert first.startswith(f"{known}{shear:.4g}, M ")
+    assert not any(line.startswith("What does") for line in others)
+
+
 def test_the_first_ten_lines_tell_what_to_design_for(lines: list[str]) -> None:
     joint = study_of().joint("weak")
     shear, torque = safe(joint, Direction(0)).shear, safe(joint, Direction(np.inf)).torque

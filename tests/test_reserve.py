@@ -160,6 +160,8 @@ def test_hinges_of_an_arch_are_used_up(model: str) -> None:
     assert edges[:4] == pytest.approx([1.0] * 4, abs=2e-3)
     assert used[:4] == pytest.approx([1.0] * 4, abs=2e-3)
     assert used[4] < 0.99
+    assert sum("hinge" in each.mode for each in found) >= 4
+    assert not any("slides" in each.mode for each in found)
 
 
 @pytest.mark.parametrize(
@@ -173,6 +175,7 @@ def test_a_block_that_overturns_or_slides_uses_its_face_up(
     (face,) = at_peak(assembly, acceleration(assembly, (1.0, 0.0, 0.0)))
     assert face.utilisation == pytest.approx(1.0, abs=1e-3)
     assert face.eccentricity == pytest.approx(edge, abs=1e-3)
+    assert face.mode == ("hinge" if edge == 1.0 else "slides")
     assert face.shear_N / face.normal_N == pytest.approx(slope, rel=1e-3)
 
 

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from sidmacib.models import LAWS, MODELS, RESISTANCES, SOLVED
 from sidmacib.quantities import shown
 from sidmacib.reading import faults, shown_key
 from sidmacib.yaml_text import TextError, read_yaml
-from workflow.consistency import inconsistencies, requirements
+from workflow.consistency import inconsistencies, requirements, rule_refusal
 from workflow.schema import Study, with_changes
 
 
@@ -70,6 +71,7 @@ def read_study(config: Mapping[str, Any]) -> Study:
     except ValidationError as error:
         lines = [line if ": " in line else f"study: {line}" for line in faults(error)]
     else:
+        study = _with_able_rules(study, config)
         lines = [*inconsistencies(study)]
     if lines:
         raise ConfigError(*lines)
@@ -126,6 +128,20 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
         dem = {"engines": tuple(ENGINES), **dem}
     models = tuple(name for name in (*SOLVED, *LAWS) if name not in RESISTANCES)
     return {"models": models, **config, "dem": dem}
+
+
+def _with_able_rules(study: Study, config: Mapping[str, Any]) -> Study:
+    """``study`` without the reductions that ``config`` does not name and a joint does not take."""
+    if "reductions" in config.get("sidmacib", {}):
+        return study
+    joints = []
+    for name in study.samples:
+        with suppress(ValueError):  # found later
+            joints.append(study.joint(name))
+    rules = study.sidmacib.reductions
+    able = tuple(each for each in rules if not any(rule_refusal(each, j) for j in joints))
+    sidmacib = study.sidmacib.model_copy(update={"reductions": able})
+    return study.model_copy(update={"sidmacib": sidmacib})
 
 
 def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:

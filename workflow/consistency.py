@@ -167,15 +167,22 @@ def _fading(study: Study) -> Iterator[str]:
 
 def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
     for name, joint in joints.items():
-        for rule in study.sidmacib.reductions if joint.interlocking else ():
-            try:
-                REDUCTIONS[rule](joint, (1.0,) * joint.locks)
-            except ValueError as error:
-                value, _, _ = str(error).partition(" is not allowed")
+        for rule in study.sidmacib.reductions:
+            if error := rule_refusal(rule, joint):
+                value, _, _ = error.partition(" is not allowed")
                 yield (
                     f"samples.{name}.{value} is not allowed while sidmacib.reductions has {rule} "
                     f"({error})"
                 )
+
+
+def rule_refusal(rule: str, joint: Joint) -> str:
+    """Why a reduction of SiDMACIB is not for a ``joint``, or nothing."""
+    try:
+        REDUCTIONS[rule](joint, (1.0,) * joint.locks)
+    except ValueError as error:
+        return str(error) if joint.interlocking else ""
+    return ""
 
 
 def _meshes(

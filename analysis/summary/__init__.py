@@ -151,8 +151,12 @@ class Question:
 def answers(
     tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
 ) -> list[Question]:
-    """The answers, at the finest ``mesh`` (m); ``leading``: see the summary."""
-    found = _answers(tables, leading, mesh)
+    """The answers, at the finest ``mesh`` (m); ``leading``: see the summary.
+
+    Of samples that the paper has no numbers for, what they carry comes first.
+    """
+    carried = [] if len(tables["validation"]) else [*_carried(of_cases(tables))]
+    found = [*carried, *_answers(tables, leading, mesh)]
     return [each for each in found if each.answer or each.by_sample]
 
 
@@ -273,6 +277,16 @@ def _design(capacity: pd.DataFrame) -> Iterator[Question]:
                 _design_loads(rows),
                 f"{what}, {loads}",
             )
+
+
+def _carried(capacity: pd.DataFrame) -> Iterator[Question]:
+    """What the joints of one's own carry, by the model whose loads are for design."""
+    for model, (_, words) in DESIGN.items():
+        rows = capacity[capacity["model"] == model]
+        if not rows.empty:
+            loads = listed(f"{name} {load}" for name, load in _design_loads(rows).items())
+            yield Question("What does each joint carry?", f"{words}, V (N) or M (N m): {loads}")
+            return
 
 
 def _design_loads(loads: pd.DataFrame) -> dict[str, str]:

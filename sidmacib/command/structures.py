@@ -86,6 +86,7 @@ def force_rows(answer: StaticAnswer) -> list[Row]:
             "compression (N)": each.normal_N,
             "shear (N)": each.shear_N,
             "utilisation": each.utilisation,
+            "mode": each.mode,
             "bonded": each.bonded_share,
         }
         for each in interface_forces(answer.assembly, state.force, state.state)

@@ -254,9 +254,8 @@ class Nodes:
     """Contact nodes of all faces, one row each, face by face.
 
     ``triangles`` between nodes of a face, face by face, over whose pressed parts the pressure on
-    dry faces is integrated; each counts with an area of ``parts``, which add up to the face's.
-    Faces without have springs at their nodes. ValueError unless nodes are in the order of their
-    faces, all numbers finite and areas above 0.
+    dry faces is integrated, each with an area of ``parts``; faces without have springs at their
+    nodes. ValueError unless nodes are in the order of their faces, and areas above 0.
     """
 
     face: Integers  # (N,) index of the face
@@ -278,12 +277,11 @@ class Nodes:
 class Assembly:
     """Pieces, their faces and the nodes on them.
 
-    ``length`` (m) converts rotations to displacements and moments to forces. ``failure`` applies
-    to all inner faces. ``mesh`` (m) and ``layout`` are those of the nodes; the finite elements of
-    elastic pieces use the same. ``most_opening`` (m): of a face, before a bond fails; beyond it
-    pieces are no longer held as where they were built. ``finite``: whether forces balance where
-    rigid pieces have moved to, rather than where they were built. ValueError unless lengths are
-    above 0, and for bonds with friction that are not brittle.
+    ``length`` (m) converts rotations to displacements and moments to forces. ``failure``: of all
+    inner faces. ``mesh`` (m) and ``layout``: of the nodes, and of the finite elements of elastic
+    pieces. ``most_opening`` (m): of a face, before a bond fails. ``finite``: whether forces balance
+    where rigid pieces have moved to, or were built. ValueError unless lengths are above 0, and for
+    bonds with friction that are not brittle.
     """
 
     pieces: tuple[Piece, ...]

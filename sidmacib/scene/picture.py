@@ -27,7 +27,6 @@ MOST_ROUNDS = 12  # of dividing triangles
 WIDTH, LEAST, MARGINS = 7.0, 0.4, 1.4  # inches; LEAST: height over width
 LIGHT, DARK, HELD = "#e4e7ec", "#c9ced8", "#8d94a0"
 MOST_LABELS = 12  # of reactions that are written beside their arrows
-HINGE = 0.999  # eccentricity over the distance to the edge
 
 
 def picture(drawn: Drawn, shape: Mapping[str, Any], title: str, width: float = WIDTH) -> Figure:
@@ -124,7 +123,7 @@ def _blocks(axes: Axes, shape: Mapping[str, Any], axes3: Floats) -> None:
 
 
 def _interfaces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -> None:
-    """Hinges, and the interface whose bond fails first."""
+    """Hinges, what slides, and the interface whose bond fails first."""
     first = drawn.failing[0][0] if drawn.failing else None
     for each in shape["interfaces"]:
         if each["name"] == first:
@@ -139,16 +138,15 @@ def _interfaces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Float
     }
     sizes = [float(np.hypot(row.normal_N, row.shear_N)) for row in drawn.interfaces]
     least = NEXT_TO_NOTHING * max(sizes, default=0.0)
-    hinges = [
-        row_point(row)
-        for row, size in zip(drawn.interfaces, sizes, strict=True)
-        if size > least and row.interface not in of_lock
-        # A dry interface turns about its edge; nodes lie on it to a thousandth.
-        if row.bonded_share == 0.0 and (row.eccentricity or 0.0) >= HINGE
-    ]
-    if hinges:
-        x, y, _ = axes3 @ np.array(hinges).T
-        axes.plot(x, y, "o", color=BLUE, ms=6, mec="white", label="hinge", zorder=4)
+    for mode, marker, colour, found in (("hinge", "o", BLUE, 6), ("slides", "D", VERMILION, 5)):
+        places = [
+            row_point(row)
+            for row, size in zip(drawn.interfaces, sizes, strict=True)
+            if size > least and row.interface not in of_lock and mode in row.mode
+        ]
+        if places:
+            x, y, _ = axes3 @ np.array(places).T
+            axes.plot(x, y, marker, color=colour, ms=found, mec="white", label=mode, zorder=4)
 
 
 def _forces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -> None:

@@ -164,14 +164,13 @@ function blockTraces({ shape, moves, factor }, share) {
   ];
 }
 
-// A dry interface that turns about its edge, not of a lock; nodes lie on it to a thousandth.
-const isHinge = (each, row) => !each.ofLock && row.bonded_share === 0 && row.eccentricity !== null && row.eccentricity >= 0.999;
+// A joint that is marked: a lock's flanks give way with their joint.
+const gives = (each, row, way) => !each.ofLock && row.mode.includes(way);
 
 function toldOf(each, row) {
   if (!row) return each.name;
   const used = row.utilisation === null ? "" : `<br>utilisation ${short(row.utilisation)}`;
-  const hinge = isHinge(each, row) ? "<br>hinge (resultant at the edge)" : "";
-  return `${each.name}${used}${hinge}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
+  return `${each.name}: ${row.mode}${used}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
 }
 
 function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, share) {
@@ -194,19 +193,21 @@ function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, shar
 }
 
 function forceTraces({ forces, moves, factor }, share) {
-  const lines = newLines(), acting = newLines(), hinges = newLines(), elsewhere = newLines();
+  const lines = newLines(), acting = newLines(), hinges = newLines(), slides = newLines(), elsewhere = newLines();
   if (at("structure-forces").checked) {
     for (const { each, row, size, acts, point, half } of forces) {
       const here = placeBetween(point, each.between, moves, share * factor);
       addLine(lines, [plus(here, half, -1), plus(here, half)]);
       const text = `${short(size)} N<br>${toldOf(each, row)}${acts ? "" : "<br>acts outside the interface; drawn at its centroid"}`;
-      addLine(!acts ? elsewhere : isHinge(each, row) ? hinges : acting, [here], text);
+      addLine(!acts ? elsewhere : gives(each, row, "hinge") ? hinges : acting, [here], text);
+      if (acts && gives(each, row, "slides")) addLine(slides, [here], text);
     }
   }
   return [
     lineTrace(lines, { color: FORCE, width: 5 }),
     lineTrace(acting, {}, { mode: "markers", marker: { size: 2, color: FORCE }, hoverinfo: "text" }),
     lineTrace(hinges, {}, { mode: "markers", name: "hinges", marker: { size: 5, color: FORCE }, hoverinfo: "text" }),
+    lineTrace(slides, {}, { mode: "markers", name: "slides", marker: { size: 5, color: "#d55e00", symbol: "diamond" }, hoverinfo: "text" }),
     lineTrace(elsewhere, {}, { mode: "markers", marker: { size: 4, color: FORCE, symbol: "circle-open" }, hoverinfo: "text" }),
   ];
 }

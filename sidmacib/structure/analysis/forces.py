@@ -17,6 +17,8 @@ from sidmacib.quantities import clean, rounded
 
 ROUNDING = 1e-9  # of the largest node force: nodes below carry nothing
 LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhere
+HINGE = 0.93  # eccentricity over the distance to the edge: a tenth of the depth is pressed, or less
+SLIDES, CRUSHED = 0.99, 1.0 - 1e-4  # of what friction and the blocks' strength allow
 NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in drawings
 
 
@@ -33,6 +35,7 @@ class InterfaceRow:
     and torsion over what friction allows; of blocks with a compressive strength that of it, if it
     is larger; None without a strength to compare with. Forces at dry nodes are not unique,
     resultants are.
+    ``mode``: open, closed, bonded, or how it gives way: crushed, hinge, slides, or the last two.
     ``bonded_share``: the part of its area that is bonded. ``fails_at``: part of the peak load at
     which its first bond fails; None if none does. ``force_x_N`` …: the resultant on the block
     above; ``at_x_m`` …: the point of the interface's plane through which it acts, torsion apart;
@@ -51,6 +54,7 @@ class InterfaceRow:
     bending_Nm: float
     eccentricity: float | None
     utilisation: float | None
+    mode: str
     bonded_share: float
     fails_at: float | None
     force_x_N: float
@@ -83,14 +87,21 @@ def interface_forces(
         normal, *shear = whole.tolist()
         bonded = float(area[nodes & state.bonded].sum() / area[nodes].sum())
         at, off, most = None, None, float(used[nodes].max())
+        ways = "bonded" if bonded else "closed" if normal > nothing else "open"
         if abs(normal) > LEVERAGE * float(np.abs(pressing := force[nodes, 0]).sum()):
             at = pressing @ places / float(pressing.sum())
             outward, reach = hull_sides((face.corners - middle) @ face.axes[1:].T)
             off = float((outward @ (face.axes[1:] @ (at - middle)) / reach).max())
             if not bonded and normal > nothing:
-                most = max(off, _rubbing(face, places - at, on_nodes, limit[nodes], nothing))
+                rubbing = _rubbing(face, places - at, on_nodes, limit[nodes], nothing)
+                most, gives = (
+                    max(off, rubbing),
+                    {"hinge": off >= HINGE, "slides": rubbing >= SLIDES},
+                )
+                ways = ", ".join(way for way, so in gives.items() if so) or ways
         if number in crushing:
             most = max(most, crushing[number])
+            ways = "crushed" if crushing[number] >= CRUSHED else ways
         force_x, force_y, force_z = (whole @ face.axes).tolist()
         at_x, at_y, at_z = (None,) * 3 if at is None else at.tolist()
         found.append(
@@ -107,6 +118,7 @@ def interface_forces(
                 bending_Nm=float(np.hypot(*moment[1:])),
                 eccentricity=off,
                 utilisation=most,
+                mode=ways,
                 bonded_share=bonded,
                 fails_at=None,
                 force_x_N=force_x,
@@ -143,7 +155,7 @@ def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: fl
     )
 
 
-OF_LAW = {"interface", "kind", "area_m2", "friction", "cohesion_Pa", "tensile_strength_Pa"}
+OF_LAW = {"interface", "kind", "mode", "area_m2", "friction", "cohesion_Pa", "tensile_strength_Pa"}
 
 
 @dataclass(frozen=True)
