@@ -135,9 +135,9 @@ def test_a_picture_has_hinges_thrust_line_load_and_reactions(arch: Drawn) -> Non
     figure = picture(arch, shape_of(arch.assembly), "arch")
     (axes,) = figure.axes
     labels = axes.get_legend_handles_labels()[1]
-    assert labels == ["hinge", "thrust line", f"load, {arch.load:.4g} N", "reaction"]
-    hinges, thrust = axes.lines[:2]
-    assert len(hinges.get_xdata()) >= 3
+    assert labels == ["hinge", "slides", "thrust line", f"load, {arch.load:.4g} N", "reaction"]
+    hinges, slides, thrust = axes.lines[:3]
+    assert (len(hinges.get_xdata()), len(slides.get_xdata())) == (3, 1)
     assert len(thrust.get_xdata()) == len(arch.assembly.faces)
     written = [text.get_text() for text in axes.texts]
     assert any(text.startswith("Rx") and "Rz" in text for text in written)
