@@ -135,7 +135,9 @@ def ask(structure: str | Path | Mapping[str, Any], folder: Path = Path()) -> dic
         folder, description = Path(structure).parent, description_in(Path(structure))
     demands = demands_of(description, folder)
     if not demands[0].raises or isinstance(demands[0].problem.loads, SupportMotion):
-        raise ValueError("load: nothing is raised; see sidmacib.reserve and support_answers")
+        raise ValueError(
+            "load: nothing is raised; multilock assembly answers without a load and for supports"
+        )
     found = {demand.case or "load": Solved.of(demand) for demand in demands}
     verdicts = [each.verdict for each in found.values()]
     told = [each for each in verdicts if each is not None]

@@ -102,8 +102,11 @@ def _without_static(newtons: float, static: Answer, limit: Answer, most: float |
     if most is not None and most < 1.0 and limit.bounds:
         return _by_limit(newtons, most, f"limit analysis; {without}")
     words = f"nothing shows that it carries {four_digits(newtons)} N"
-    told = str(limit.error) if most is None else f"limit analysis: {factor_of(most)}"
-    note = f"{without}; {told}; it {'may overestimate' if limit.bounds else 'is no bound'}"
+    told = str(limit.error)
+    if most is not None:
+        rests = "may overestimate" if limit.bounds else "is no bound"
+        told = f"limit analysis: {factor_of(most)}; it {rests}"
+    note = f"{without}; {told}"
     return Verdict(newtons, False, words, note, open=True, limit=most)
 
 

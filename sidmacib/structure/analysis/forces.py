@@ -94,10 +94,9 @@ def interface_forces(
             off = float((outward @ (face.axes[1:] @ (at - middle)) / reach).max())
             if not bonded and normal > nothing:
                 rubbing = _rubbing(face, places - at, on_nodes, limit[nodes], nothing)
-                most, gives = (
-                    max(off, rubbing),
-                    {"hinge": off >= HINGE, "slides": rubbing >= SLIDES},
-                )
+                most = max(off, rubbing)
+                slides = rubbing >= SLIDES and face.kind is not Kind.LOCKED  # locks carry shear
+                gives = {"hinge": off >= HINGE, "slides": slides}
                 ways = ", ".join(way for way, so in gives.items() if so) or ways
         if number in crushing:
             most = max(most, crushing[number])
