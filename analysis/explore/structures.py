@@ -57,7 +57,7 @@ class StructureAnswer:
         ``more_notes``: beside those of the command.
         """
         demand, static = solved.demand, solved.static
-        notes = [*more_notes, *notes_on(demand.problem, description)]
+        notes = [*more_notes, *notes_on(description, demand.problem.assembly)]
         views = Views.of(path, description, solved, notes, str(solved.verdict or ""))
         counts = static.counts.name if isinstance(static, StaticAnswer) else None
         return cls(description, views, structure_rows(solved), counts)

@@ -15,11 +15,11 @@ from sidmacib.mechanics.equilibrium import has_bonds
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import Counts, Failures, Problem
 from sidmacib.quantities import four_digits, some_of
+from sidmacib.structure.analysis.forces import CRUSHED
 from sidmacib.structure.analysis.limit import LimitTilt, assumes, limit_mesh_error
 from sidmacib.structure.analysis.tilt import moves_most
 
 LIMIT, NO_DILATION, STATIC = "limit", "limit, no dilation", "static"
-FULL = 1.0 - 1e-4  # of a limit: an interface that uses more is at it
 MOST = 6  # names in a note
 
 Limit = LimitState | LimitTilt | CapacityError
@@ -73,7 +73,7 @@ def _limited_by(problem: Problem, limit: LimitState) -> Iterator[str]:
         others = "no limit" if math.isinf(untwisted) else f"{four_digits(untwisted)} N"
         yield f"limited by the torque of interfaces ({others} without)"
     use = crushing_use(problem.assembly, limit.force)
-    names = [problem.assembly.faces[number].name for number, of in use.items() if of > FULL]
+    names = [problem.assembly.faces[number].name for number, of in use.items() if of >= CRUSHED]
     if names:
         yield f"crushed: {some_of(names, MOST)}"
 

@@ -1,19 +1,12 @@
 """Asking what a structure carries: both models, what they answer, and the verdict."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sidmacib.answers.answer import (
-    NO_DILATION,
-    Answer,
-    Limit,
-    Static,
-    of_limit,
-    of_static,
-)
+from sidmacib.answers.answer import NO_DILATION, Answer, Limit, Static, of_limit, of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.verdict import Verdict, governing, lower_first, verdict
 from sidmacib.errors import CapacityError, NoEquilibriumError, reason
@@ -21,20 +14,11 @@ from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.limit import LimitTilt, limit_state, limit_tilt
+from sidmacib.structure.analysis.limit import LimitTilt, limit_or_tilt
 from sidmacib.structure.files.structure_file import Demand, demands_of, description_in
 from sidmacib.structure.loads import SupportMotion, free_weight, naming_permanent
 
 Tell = Callable[[str], object]
-
-
-def found_for(problem: Problem) -> LimitState | LimitTilt:
-    """The limit load, or the angle where gravity turns; `CapacityError` if there is none."""
-    assembly, loads = problem
-    if loads.axis is None:
-        return limit_state(assembly, loads)
-    with naming_permanent(loads):
-        return limit_tilt(assembly, loads)
 
 
 def limit_of(problem: Problem, tell: Tell = str) -> Limit:
@@ -43,7 +27,7 @@ def limit_of(problem: Problem, tell: Tell = str) -> Limit:
     free = sum(not piece.fixed for piece in assembly.pieces)
     tell(f"{free:,} free blocks, {len(assembly.faces):,} contact faces: limit analysis ...")
     try:
-        found = found_for(problem)
+        found = limit_or_tilt(problem)
     except CapacityError as error:
         return error
     if isinstance(found, LimitState):
@@ -104,16 +88,13 @@ class Solved:
         return Answer(model=NO_DILATION, value=found.state.load, notes=notes)
 
     @property
-    def answers(self) -> tuple[tuple[Answer, str], ...]:
-        """Every answer, and the note that stands beside it."""
-        falls = ""
-        if isinstance(self.static, NoEquilibriumError):
-            falls = f"; static model: {lower_first(str(self.static))}"
+    def answers(self) -> tuple[Answer, ...]:
+        """Every answer; limit analysis says so where the structure falls in the static model."""
         limits = [each for each in (self.of_limit, self.without_dilation) if each]
-        return (
-            *((each, each.note + (falls if each.error is None else "")) for each in limits),
-            (self.of_static, self.of_static.note),
-        )
+        if isinstance(self.static, NoEquilibriumError):
+            falls = f"static model: {lower_first(str(self.static))}"
+            limits = [replace(each, notes=(*each.notes, falls)) for each in limits]
+        return *limits, self.of_static
 
     @cached_property
     def verdict(self) -> Verdict | None:

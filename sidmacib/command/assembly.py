@@ -116,7 +116,7 @@ def passes(wanted: Wanted) -> bool:
     first = demands[0]
     if wanted.engines and not isinstance(first.problem.loads, SupportMotion):
         raise click.UsageError("--model: is for a support that moves only")
-    wanted = replace(wanted, notes=notes_on(first.problem, wanted.description))
+    wanted = replace(wanted, notes=notes_on(wanted.description, first.problem.assembly))
     for line in wanted.notes:
         click.echo(f"Note: {line}", err=True)
     if wanted.case is not None:
@@ -174,18 +174,18 @@ def _answer_support(wanted: Wanted, problem: Problem) -> None:
 
 def _load_passes(wanted: Wanted, demand: Demand) -> bool:
     """Loads, and the verdict if one is to be carried; or forces of interfaces."""
-    problem, verdict = demand.problem, None
+    problem = demand.problem
     rows: list[Row] = []
     tell = telling(problem)
     limit = limit_of(problem, tell)
     if isinstance(limit, InfeasibleError):
         note_turned(wanted.description, wanted.file.parent)
     solved = Solved(demand, limit, static_of(problem, limit, tell))
+    verdict = solved.verdict
+    if verdict is not None:
+        say(str(verdict), wanted.form)
     if wanted.draws or not wanted.interfaces:
         rows = structure_rows(solved, tell)
-        verdict = solved.verdict
-        if verdict is not None:
-            say(str(verdict), wanted.form)
     shown = rows
     if wanted.interfaces:
         if isinstance(solved.static, CapacityError):

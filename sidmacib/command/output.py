@@ -8,7 +8,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from importlib import metadata
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +49,10 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     """
     rows, beside = in_asked_units(rows), in_asked_units([about or {}])[0]
     if form != "table":
-        rows, beside = [_plain(row) for row in rows], {"version": version(), **_plain(beside)}
+        rows, beside = (
+            [_plain(row) for row in rows],
+            {"version": version("multilock"), **_plain(beside)},
+        )
     if form == "json":
         return json.dumps({**beside, "rows": rows}, indent=1)
     if form == "csv" and about is not None:
@@ -73,11 +76,6 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
         for line in cells
     ]
     return "\n".join(lines)
-
-
-def version() -> str:
-    """Of this program."""
-    return metadata.version("multilock")
 
 
 def _plain(row: Row) -> Row:

@@ -74,7 +74,7 @@ def structure_rows(solved: Solved, tell: Tell = str) -> list[Row]:
     """
     if isinstance(solved.limit, LimitState):
         tell("limit analysis without dilation ...")
-    return [_row(solved.demand, answer, note) for answer, note in solved.answers]
+    return [_row(solved.demand, answer) for answer in solved.answers]
 
 
 def force_rows(answer: StaticAnswer) -> list[Row]:
@@ -93,7 +93,7 @@ def force_rows(answer: StaticAnswer) -> list[Row]:
     ]
 
 
-def _row(demand: Demand, answer: Answer, note: str) -> Row:
+def _row(demand: Demand, answer: Answer) -> Row:
     """A row of the table; the static model has a first failure and a peak, too."""
     tilts = demand.problem.loads.axis is not None
     what, unit = ("tilt", "degrees") if tilts else ("load", "N")
@@ -107,7 +107,7 @@ def _row(demand: Demand, answer: Answer, note: str) -> Row:
         f"mesh error / {what}": answer.mesh_error,
         f"first failure ({unit})": failures and failures.first,
         f"peak ({unit})": failures and failures.peak,
-        "note": note,
+        "note": answer.note,
     }
 
 

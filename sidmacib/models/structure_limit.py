@@ -1,17 +1,16 @@
 """Limit analysis of a structure, with associated friction."""
 
 from sidmacib.answers.answer import of_limit
-from sidmacib.answers.ask import found_for
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
-from sidmacib.structure.analysis.limit import LimitTilt
+from sidmacib.structure.analysis.limit import LimitTilt, limit_or_tilt
 from sidmacib.structure.analysis.tilt import load_of_tilt
 
 
 def solve(problem: Problem) -> Outcome:
     """The largest load that forces can balance; `sidmacib.errors.CapacityError` if none is."""
-    return outcome_of(problem, found_for(problem))
+    return outcome_of(problem, limit_or_tilt(problem))
 
 
 def outcome_of(problem: Problem, found: LimitState | LimitTilt) -> Outcome:

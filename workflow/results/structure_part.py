@@ -80,8 +80,7 @@ class StructurePart:
             nodes=len(assembly.nodes.area),
             bonded=has_bonds(assembly),
             note="; ".join(outcome.notes) or None,
-            input_notes="; ".join(notes_on(case.subject.problem(), case.subject.description))
-            or None,
+            input_notes="; ".join(notes_on(case.subject.description, assembly)) or None,
             interfaces=interfaces_of(assembly, outcome),
             blocks=block_rows(assembly, outcome),
         )

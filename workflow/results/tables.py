@@ -194,16 +194,8 @@ INTERFACES = Table(
     (
         *(*_STRUCTURE, "interface", "kind", "area_m2", "friction", "cohesion_Pa"),
         *("tensile_strength_Pa", "normal_N", "shear_N", "torsion_Nm", "bending_Nm"),
-        *(
-            "eccentricity",
-            "utilisation",
-            "mode",
-            "bonded_share",
-            "fails_at",
-            "force_x_N",
-            "force_y_N",
-        ),
-        *("force_z_N", "at_x_m", "at_y_m", "at_z_m", "case"),
+        *("eccentricity", "utilisation", "mode", "bonded_share", "fails_at"),
+        *("force_x_N", "force_y_N", "force_z_N", "at_x_m", "at_y_m", "at_z_m", "case"),
     ),
     (*_STRUCTURE, "interface"),
     ("friction", "eccentricity", "utilisation", "bonded_share", "fails_at"),

@@ -24,9 +24,7 @@ OVER_THE_TOP = 1e-3  # of the load: above it, pieces that drift may come to rest
 LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
 MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
 DEEP = 0.1  # of the assembly's length: faces pressed in by so much are no joints any more
-FARTHEST_TURN = (
-    0.05  # rad: a piece that turned so far has left its place, whatever it carries elsewhere
-)
+FARTHEST_TURN = 0.05  # rad: a piece that has turned so far is not where it was built any more
 TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
 SAME_TOP = 1e-2  # of the load: a top this near to another is it, with other increments
 

@@ -133,6 +133,15 @@ def short_of(assembly: Assembly, loads: Loads, angle: float) -> LimitState | Non
     return None if state.load >= weight else state
 
 
+def limit_or_tilt(problem: Problem) -> LimitState | LimitTilt:
+    """The limit load, or the angle where gravity turns; `CapacityError` if there is none."""
+    assembly, loads = problem
+    if loads.axis is None:
+        return limit_state(assembly, loads)
+    with naming_permanent(loads):
+        return limit_tilt(assembly, loads)
+
+
 def limit_mesh_error(problem: Problem, load: float) -> float | None:
     """Mesh error of a limit ``load`` (N) with friction, over itself; None where it is unknown.
 

@@ -123,14 +123,14 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
     return tuple(found)
 
 
-def notes_on(problem: Problem, description: Any) -> list[str]:
+def notes_on(description: Any, assembly: Assembly) -> list[str]:
     """A line each for what looks wrong in a ``description``, and for what it leaves to defaults.
 
-    ``problem``: that it is of.
+    ``assembly``: of the description.
     """
     given = StructureFile.read(description)
-    notes = structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
-    notes += load_warnings(problem.assembly, given.pushed)
+    notes = structure_warnings(assembly, given.tolerance, given.interfaces.from_file)
+    notes += load_warnings(assembly, given.pushed)
     if given.assumed:
         notes.append(f"assumed: {', '.join(' '.join(each) for each in given.assumed.items())}")
     laws = (given.interfaces, *given.special)
