@@ -16,6 +16,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import limit_load, require_standing, solved
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
+from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.twist import Pressure, linear_pressure, torque_use
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.reserve import geometrical_factor
@@ -116,8 +117,9 @@ def test_pressure_does_not_gather_in_the_corners_of_a_lintel_on_any_mesh() -> No
 )
 def test_an_eccentric_lintel_carries_what_the_static_model_finds(at: Vector, shift: float) -> None:
     problem = lintel(at, shift)
-    found, static = limit_load(*problem, friction=True).load, static_peak(*problem).peak.load
-    assert found == pytest.approx(static, rel=0.015)
+    found, static = limit_load(*problem, friction=True).load, static_peak(*problem)
+    assert found == pytest.approx(static.peak.load, rel=0.015)
+    assert static.mode in (Mode.TURNED, Mode.MECHANISM)
 
 
 def test_forces_obey_coulomb_and_carry_the_load_of_a_face_that_is_twisted() -> None:

@@ -33,7 +33,7 @@ from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.equilibrium import is_dry
 from sidmacib.mechanics.limit import LimitState
-from sidmacib.mechanics.solution import Equilibrium, OtherSearches, Solver
+from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
 from sidmacib.structure.analysis.limit import (
@@ -120,8 +120,10 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
 
 def _limited(problem: Problem, answer: StaticAnswer, most: float, why: str) -> StaticAnswer:
     """The ``answer`` up to the load ``most`` of limit analysis; ``why`` it is what counts."""
+    only_ended = answer.mode in (Mode.PRESSED, Mode.TURNED)  # of the path beyond that load
     return replace(
         answer,
+        mode=str(Mode.MECHANISM) if only_ended else answer.mode,
         failures=Failures(*np.minimum(answer.failures, most).tolist()),
         mesh_errors=MeshErrors(answer.mesh_errors.first, limit_mesh_error(problem, most)),
         counts=Counts(peak=True, why=why),

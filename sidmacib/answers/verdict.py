@@ -24,6 +24,10 @@ from sidmacib.mechanics.solution import Mode
 from sidmacib.quantities import four_digits
 
 BY_LIMIT = "limit analysis"
+FOLLOWED_UNTIL: dict[str | None, str] = {  # where a path ends at which nothing has failed, by mode
+    Mode.PRESSED: "joints are pressed in by a tenth of the blocks",
+    Mode.TURNED: "a block has turned by 0.05 rad",
+}
 
 
 @dataclass(frozen=True)
@@ -126,8 +130,8 @@ def _by_static(newtons: float, static: Answer, most: float | None) -> Verdict:
         factors = f"{factor_of(first)} to the first failure, {factor_of(peak)} to the peak"
     if bond_fails(static.failures) or static.mode == CRUSHING:
         notes.append(str(static.counts))
-    if static.mode == Mode.PRESSED:
-        notes.append("followed until joints are pressed in by a tenth of the blocks")
+    if static.mode in FOLLOWED_UNTIL:
+        notes.append(f"followed until {FOLLOWED_UNTIL[static.mode]}")
     left_open = factor * (1.0 - error) < 1.0 <= factor
     words = by_factors(f"{four_digits(newtons)} N", factor, factors)
     if left_open:

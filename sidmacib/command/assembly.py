@@ -247,7 +247,7 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
     try:
         found = reserve(problem, telling(problem))
     except CapacityError as error:
-        said = "No" if isinstance(error, InfeasibleError) else "No answer"
+        said = "No" if isinstance(error, InfeasibleError) else "Open"
         rows = table(("limit", "stands", None, str(error)))
         return rows, f"{said}: {lower_first(str(error))}", False, ALONG_X
     dry = is_dry(problem.assembly)

@@ -233,6 +233,7 @@ def _used(drawn: Drawn) -> list[Cells]:
             cell(row.shear_N),
             "-" if row.eccentricity is None else f"{row.eccentricity:.3f}",
             f"{row.utilisation:.3f}",
+            row.mode,
         )
         for row in found[:MOST_ROWS]
     ]

@@ -170,6 +170,7 @@ class Mode(StrEnum):
     ROCKING = (
         "rocking"  # pieces are lifted against the permanent loads, and no bond is at its strength
     )
+    TURNED = "turned"  # a piece has turned too far to be where it was built, and nothing has failed
     PRESSED = "pressed in"  # faces close by a part of the pieces' size, and nothing has failed
     APART = "apart"  # locks come apart too far to be held as they are, and no bond has failed
 

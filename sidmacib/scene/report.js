@@ -6,7 +6,7 @@ const labelOf = (model) => MODELS.find((each) => each.row.model === model);
 const REACTIONS = ["support", "Rx (N)", "Ry (N)", "Rz (N)", "size (N)", "x (m)", "y (m)", "z (m)"];
 const INTERFACES = [
   ["interface", "interface"], ["compression (N)", "normal_N"], ["shear (N)", "shear_N"], ["torsion (N m)", "torsion_Nm"], ["bending (N m)", "bending_Nm"],
-  ["eccentricity", "eccentricity"], ["utilisation", "utilisation"], ["bonded", "bonded_share"],
+  ["eccentricity", "eccentricity"], ["utilisation", "utilisation"], ["mode", "mode"], ["bonded", "bonded_share"],
 ];
 
 function reactionRows({ reactions }) {

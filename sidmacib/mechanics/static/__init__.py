@@ -34,6 +34,7 @@ from sidmacib.mechanics.solution import (
 )
 from sidmacib.mechanics.static.path import (
     DEEP,
+    FARTHEST_TURN,
     INCREMENT,
     LEAST_LOAD,
     MOST_LOAD,
@@ -218,6 +219,8 @@ def _motion(solver: Solver, point: Equilibrium) -> Mode:
         return Mode.APART
     if solver.finite and point.closing >= DEEP * solver.size:
         return Mode.PRESSED
+    if solver.finite and point.rotation >= FARTHEST_TURN:
+        return Mode.TURNED
     load = point.load + BEYOND * max(point.load, LEAST_LOAD * solver.scale)
     return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
 

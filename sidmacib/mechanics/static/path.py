@@ -103,9 +103,11 @@ class _Rise:
             self.thorough = True
             self.top = self.solver.finite and _to_the_top(self.solver, self.path)
             low = self.path[-1]
+            ends = self._failing() is not None
+            again = self.top and abs(low.load - self.solver.fell) <= SAME_TOP * self.solver.fell
+            if ends or again:
+                return ends
             if self.top:
-                if abs(low.load - self.solver.fell) <= SAME_TOP * self.solver.fell:
-                    return False
                 increment = OVER_THE_TOP * low.load
         load = self._below_failure(low.load + increment)
         onward = not (self.thorough and self.solver.finite)

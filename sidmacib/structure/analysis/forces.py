@@ -29,7 +29,7 @@ class InterfaceRow:
     ``normal_N``: compression, negative in tension; ``shear_N``: size of the resultant along the
     interface. ``torsion_Nm``: about its normal; ``bending_Nm``: size of the moment in its plane.
     ``eccentricity``: of the resultant from the centroid, over the distance to the edge that way: 1
-    where it acts at the edge, as in a hinge; None where it acts nowhere.
+    where it acts at the edge, near it in a hinge; None where it acts nowhere.
     ``utilisation``, 1 at failure: where any of it is bonded, shear or tension over strength at the
     bonded node that is used most; of a dry interface the larger of the eccentricity and of shear
     and torsion over what friction allows; of blocks with a compressive strength that of it, if it
