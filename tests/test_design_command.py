@@ -117,8 +117,8 @@ def test_what_is_written_is_a_structure_with_the_factors_of_the_checks(path: Pat
     assert limit_load(*problem, friction=True).load == pytest.approx(2000 * limit["factor"])
     (row,) = answer["locks"]
     assert 0.0 < row["utilisation"] < 1.0
-    (step,) = answer["order of placing"]
-    assert (step["block"], step["moves along"]) == ("block", "0 0 -1")
+    (step,) = answer["order_of_placing"]
+    assert (step["block"], step["moves_along"]) == ("block", "0 0 -1")
 
 
 @pytest.mark.study

@@ -22,11 +22,7 @@ from sidmacib.command.options import (
     note_option,
     quantity,
 )
-from sidmacib.command.output import (
-    refused_in_one_line,
-    status_line,
-    text_of,
-)
+from sidmacib.command.output import plain_row, refused_in_one_line, status_line, text_of
 from sidmacib.quantities import Number
 
 GAP = Number(at_least=0, unit="m")
@@ -161,7 +157,8 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
             write_designed(task, found.choice, output)
     tables = design_tables(found)
     if form == "json":
-        click.echo(json.dumps({"verdict": verdict(found), **tables}, indent=1))
+        named = {name: [*map(plain_row, each)] for name, each in tables.items()}
+        click.echo(json.dumps({"verdict": verdict(found)} | plain_row(named), indent=1))
     else:
         click.echo(verdict(found))
         for name, rows in tables.items():

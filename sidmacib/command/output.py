@@ -50,8 +50,8 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     rows, beside = in_asked_units(rows), in_asked_units([about or {}])[0]
     if form != "table":
         rows, beside = (
-            [_plain(row) for row in rows],
-            {"version": version("multilock"), **_plain(beside)},
+            [plain_row(row) for row in rows],
+            {"version": version("multilock"), **plain_row(beside)},
         )
     if form == "json":
         return json.dumps({**beside, "rows": rows}, indent=1)
@@ -78,7 +78,7 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     return "\n".join(lines)
 
 
-def _plain(row: Row) -> Row:
+def plain_row(row: Row) -> Row:
     """The ``row`` with names as programs read them: ``load / weight`` is ``load_over_weight``."""
     return {_plain_name(name): value for name, value in row.items()}
 
