@@ -31,6 +31,7 @@ DESIGN = {
     "design": ("design resistance", "With the scatter and gamma_M of the study"),
     "safe": ("safe load", "By the safe rule"),
 }
+CARRIED = "What does each joint carry?"
 SHOWN = 6  # samples in one answer
 
 
@@ -144,7 +145,7 @@ class Question:
         """The answer as lines of text."""
         parts = listed(f"{sample} {words}" for sample, words in self.by_sample.items())
         yield f"{self.question} {self.answer or parts}"
-        if self.answer and parts:
+        if parts and parts not in self.answer and self.answer:
             yield f"  {parts}"
 
 
@@ -155,8 +156,9 @@ def answers(
 
     Of samples that the paper has no numbers for, what they carry comes first.
     """
-    carried = [] if len(tables["validation"]) else [*_carried(of_cases(tables))]
-    found = [*carried, *_answers(tables, leading, mesh)]
+    found = [*_answers(tables, leading, mesh)]
+    if tables["validation"].empty:
+        found.sort(key=lambda each: each.question != CARRIED)
     return [each for each in found if each.answer or each.by_sample]
 
 
@@ -175,7 +177,7 @@ def _answers(
         },
         column="best-fit number of locks",
     )
-    yield from _design(of_cases(tables))
+    yield from _design(of_cases(tables), own=tables["validation"].empty)
     winners = [winner(fit, sample, mesh) for sample in fit["sample"].unique()]
     yield Question(
         "Which option and rule of SiDMACIB fit the detailed model best?",
@@ -265,28 +267,22 @@ def of_leading(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
     return table[own & np.isclose(table["mesh_m"], mesh)]
 
 
-def _design(capacity: pd.DataFrame) -> Iterator[Question]:
-    """Design loads in the first and the last direction of each sample."""
+def _design(capacity: pd.DataFrame, *, own: bool) -> Iterator[Question]:
+    """Design loads in the first and the last direction of each sample.
+
+    Of joints of one's ``own`` the first model says what they carry.
+    """
+    loads = "V (N) or M (N m)"
     for model, (what, words) in DESIGN.items():
         rows = capacity[capacity["model"] == model]
-        if not rows.empty:
-            loads = "V (N) or M (N m)"
-            yield Question(
-                f"What is the {what}?",
-                f"{words}, {loads}; other directions below:",
-                _design_loads(rows),
-                f"{what}, {loads}",
-            )
-
-
-def _carried(capacity: pd.DataFrame) -> Iterator[Question]:
-    """What the joints of one's own carry, by the model whose loads are for design."""
-    for model, (_, words) in DESIGN.items():
-        rows = capacity[capacity["model"] == model]
-        if not rows.empty:
-            loads = listed(f"{name} {load}" for name, load in _design_loads(rows).items())
-            yield Question("What does each joint carry?", f"{words}, V (N) or M (N m): {loads}")
-            return
+        if rows.empty:
+            continue
+        found = _design_loads(rows)
+        question, answer = f"What is the {what}?", f"{words}, {loads}; other directions below:"
+        if own:
+            told = listed(f"{name} {load}" for name, load in found.items())
+            question, answer, own = CARRIED, f"{words}, {loads}: {told}", False
+        yield Question(question, answer, found, f"{what}, {loads}")
 
 
 def _design_loads(loads: pd.DataFrame) -> dict[str, str]:
