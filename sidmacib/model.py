@@ -13,7 +13,7 @@ class Ability(StrEnum):
     DUCTILE = auto()  # inner faces that keep it
     TWO_STIFFNESSES = auto()  # inner faces whose normal and shear stiffness differ
     FRICTION = auto()  # on dry faces
-    BOND_FRICTION = auto()  # on inner faces while they are bonded
+    BOND_FRICTION = auto()  # in bonds, other than after they have failed
     PROGRESSIVE = auto()  # follows failure from node to node up to the peak
     RIGID = auto()  # pieces
     ELASTIC = auto()  # pieces

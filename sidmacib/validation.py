@@ -77,8 +77,10 @@ def require_kinds(instance: Any) -> None:
 
 
 def number_of(kind: Any) -> Number | None:
-    """The range that an annotation has."""
-    return next((each for each in getattr(kind, "__metadata__", ()) if type(each) is Number), None)
+    """The range that an annotation has, also one of a number or None."""
+    kinds = typing.get_args(kind) if typing.get_origin(kind) in UNIONS else (kind,)
+    given = (each for kind in kinds for each in getattr(kind, "__metadata__", ()))
+    return next((each for each in given if type(each) is Number), None)
 
 
 def plain(value: Any) -> Any:

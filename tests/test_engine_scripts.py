@@ -36,7 +36,7 @@ from sidmacib.structure.structure import structure
 SEARCH = scripts.GivenSearch(1e-6, 20.0, 800, 8000, 1e-4, 1e-3, 12.0, 1e-3)
 RADII = 1e-3, 12.0  # m, of vertices and of flat sides
 PILE = [("low", 0.0), ("middle", 0.2), ("top", 0.4)]
-LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5)
+LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5, 0.0)
 
 
 @pytest.fixture

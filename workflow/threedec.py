@@ -122,7 +122,12 @@ def _corner(piece: Cuboid, place: Vector, force: Floats) -> dict[str, Any]:
 
 
 def _law(material: FaceMaterial) -> dict[str, Any]:
-    return {"law": material, "friction_degrees": math.degrees(math.atan(material.friction))}
+    bonded = material.cohesion > 0.0 or material.tensile_strength > 0.0
+    friction = material.friction_in_bonds if bonded else material.friction
+    found = {"law": material, "friction_degrees": math.degrees(math.atan(friction))}
+    if friction != material.friction:
+        found["friction_after_degrees"] = math.degrees(math.atan(material.friction))
+    return found
 
 
 def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[str, Any]]:

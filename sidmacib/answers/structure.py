@@ -28,7 +28,7 @@ from sidmacib.answers.structure_paths import (
     without_other_meshes,
 )
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.equilibrium import is_dry
@@ -43,7 +43,7 @@ from sidmacib.structure.analysis.limit import (
     short_of,
 )
 from sidmacib.structure.loads import naming_permanent
-from sidmacib.structure.structure import refined
+from sidmacib.structure.structure import owners_of, refined
 
 BEYOND = 1.001  # over the limit load: where a path ends that has no other end
 NOT_CRUSHED = "no interface is crushed"
@@ -66,9 +66,9 @@ def static_answer(
 
 def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
     """The answer for blocks that are not crushed."""
-    answer = unbounded_answer(problem)
     if not is_dry(problem.assembly):
-        return answer
+        return _with_bonds(problem)
+    answer = unbounded_answer(problem)
     most = _bound(problem, answer.load, limit)
     if answer.load > (1.0 + SMALL) * most:
         answer = unbounded_answer(problem, most)
@@ -77,6 +77,49 @@ def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) 
     alone = told(problem.loads, answer.load)
     why = f"{answer.counts.why}; limit analysis is below the static model alone, {alone}"
     return _limited(problem, answer, most, why)
+
+
+def _with_bonds(problem: Problem) -> StaticAnswer:
+    """The answer with bonds, or of dry joints where its peak does not count and theirs is more.
+
+    `CapacityError` if bonds fail under the permanent loads, and neither has a peak that counts.
+    """
+    answer = unbounded_answer(problem)
+    if answer.counts.peak:
+        return answer
+    doubt = answer.counts.why
+    try:
+        dry = _bounded_answer(_dry(problem), None)
+    except CapacityError:
+        dry = answer
+    if dry.load > answer.load:
+        return replace(
+            dry,
+            failures=Failures(answer.failures.first, dry.load),
+            mesh_errors=MeshErrors(answer.mesh_errors.first, dry.mesh_error),
+            counts=Counts(peak=True, why=f"that of dry joints; with their bonds: {doubt}"),
+        )
+    if not answer.failures.first > 0.0:
+        raise CapacityError(f"bonds fail under its own weight alone, and {doubt}")
+    return answer
+
+
+def _dry(problem: Problem) -> Problem:
+    """The problem without bonds; `CapacityError` for locks, which are nothing without them."""
+    assembly = problem.assembly
+    if owners_of(assembly) != list(range(len(assembly.pieces))):
+        raise CapacityError("locks need their bonds")
+    faces = tuple(
+        replace(
+            face,
+            kind=Kind.DRY,
+            material=replace(face.material, cohesion=0.0, tensile_strength=0.0),
+        )
+        if face.kind is Kind.INNER
+        else face
+        for face in assembly.faces
+    )
+    return problem._replace(assembly=replace(assembly, faces=faces))
 
 
 def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:
@@ -98,7 +141,7 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
     ``limit``: of limit analysis, if it is known. `NoEquilibriumError` if they do not stand.
     """
     try:
-        answer = unbounded_answer(problem)
+        answer = _with_bonds(problem)
         without = told(problem.loads, answer.load)
     except UnboundedError as error:
         answer, without = _as_far_as(problem, _limit_load(problem, limit), error), "any load"

@@ -212,8 +212,8 @@ def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:
                 "run": list(layout.run),
                 "first": below,
                 "widths": [round(width, DIGITS) for width in layout.widths],
-                "inner": layout.kind.inner.model_dump(include=numbers),
-                "dry": layout.kind.dry.model_dump(include=numbers),
+                "inner": layout.kind.inner.model_dump(include=numbers, exclude_none=True),
+                "dry": layout.kind.dry.model_dump(include=numbers, exclude_none=True),
             }
         )
     return {**task.description, "locks": locks}

@@ -150,7 +150,8 @@ LIGGGHTS = Engine(
     name="liggghts",
     label="LIGGGHTS",
     colour=ORANGE,
-    abilities=frozenset(DISTINCT_CAN),  # its inner faces are as stiff along as across
+    # Its inner faces are as stiff along as across.
+    abilities=frozenset({*DISTINCT_CAN, Ability.BOND_FRICTION}),
     template="liggghts.py.j2",
     command=(sys.executable,),  # the script starts LIGGGHTS and gives it commands
     package="liggghts",
@@ -164,7 +165,9 @@ CALCULIX = Engine(
     name="calculix",
     label="CalculiX",
     colour=PURPLE,
-    abilities=frozenset({*ALL_CAN, Ability.TWO_STIFFNESSES, Ability.ELASTIC, Ability.JOINED}),
+    abilities=frozenset(
+        {*ALL_CAN, Ability.TWO_STIFFNESSES, Ability.BOND_FRICTION, Ability.ELASTIC, Ability.JOINED}
+    ),
     template="calculix.py.j2",
     command=(sys.executable,),  # the script starts CalculiX and reads what it writes
     package="calculix-ccx",

@@ -148,7 +148,9 @@ class Side(StrEnum):
 
 
 FIXED_PLATE = HoldDown()
-INNER = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
+INNER = FaceMaterial(
+    1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5, bond_friction=0.0
+)
 DRY = FaceMaterial(1e10, 1e10, friction=0.3, cohesion=0.0, tensile_strength=0.0)
 
 

@@ -44,11 +44,12 @@ class FaceMaterial:
     """Stiffnesses and strengths of a contact face, per unit of area.
 
     ``normal_stiffness``, ``shear_stiffness``: stress over displacement, Pa/m. ``friction``:
-    coefficient mu of a face that is not bonded. ``cohesion``: shear strength of a bond (the paper's
-    tau_k), Pa. ``tensile_strength``: of a bond, Pa. ``residual``: of bonds that soften, the part
-    of both strengths that remains. ``fracture_energy``: of bonds that soften, the work that uses up
-    one strength, J/m2. ``bond_friction``: coefficient by which compression raises the shear
-    strength of a bond, and tension lowers it. ValueError for a number out of its range.
+    coefficient mu. ``cohesion``: shear strength of a bond that is not pressed (the paper's tau_k),
+    Pa. ``tensile_strength``: of a bond, Pa. ``residual``: of bonds that soften, the part of both
+    strengths that remains. ``fracture_energy``: of bonds that soften, the work that uses up one
+    strength, J/m2. ``bond_friction``: coefficient by which compression raises the shear strength of
+    a bond, and tension lowers it (EN 1996-1-1, 3.6.2); that of ``friction`` if it is None.
+    ValueError for a number out of its range.
     """
 
     normal_stiffness: Stiffness
@@ -58,10 +59,15 @@ class FaceMaterial:
     tensile_strength: Strength
     residual: Part = 0.0
     fracture_energy: FractureEnergy = 0.0
-    bond_friction: Friction = 0.0
+    bond_friction: Friction | None = None
 
     def __post_init__(self) -> None:
         require_kinds(self)
+
+    @property
+    def friction_in_bonds(self) -> float:
+        """The coefficient mu_b by which compression raises the shear strength of a bond."""
+        return self.friction if self.bond_friction is None else self.bond_friction
 
 
 SOFTENED = ("residual", "fracture_energy")  # numbers of bonds that soften
@@ -300,7 +306,8 @@ class Assembly:
         for name in ("mesh", "most_opening"):
             if not getattr(self, name) > 0.0:
                 raise refused(name, getattr(self, name), "more than 0")
-        rough = next(filter(None, (face.material.bond_friction for face in self.faces)), 0.0)
+        inner = (face.material for face in self.faces if face.kind is Kind.INNER)
+        rough = next(filter(None, (law.friction_in_bonds for law in inner)), 0.0)
         if rough and self.failure is not Failure.BRITTLE:
             raise refused("bond_friction", rough, f"0, as failure is {self.failure}")
 

@@ -50,8 +50,7 @@ _ALL: tuple[Model, ...] = (
         name="3dec",
         label="3DEC",
         colour=BLACK,
-        abilities=(_OF_THE_PIECES - {Ability.BOND_FRICTION})
-        | {Ability.FRICTION, Ability.PROGRESSIVE},
+        abilities=_OF_THE_PIECES | {Ability.FRICTION, Ability.PROGRESSIVE},
     ),
     *(
         FirstFailureLaw(name=name, label=label, colour=colour, abilities=_OF_ANY_FAILURE)

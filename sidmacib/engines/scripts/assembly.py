@@ -17,13 +17,14 @@ LEAST_RAMP = 0.1  # of the time in which the whole load is raised
 
 @dataclass(frozen=True)
 class GivenMaterial:
-    """Law of a face per unit of area: stiffness in Pa/m, friction coefficient, strengths in Pa."""
+    """Law of a face per unit of area: stiffness in Pa/m, friction coefficients, strengths in Pa."""
 
     normal_stiffness: float
     shear_stiffness: float
     friction: float
     cohesion: float
     tensile_strength: float
+    friction_in_bonds: float
 
     @property
     def effective_tensile_strength(self) -> float:
@@ -353,7 +354,7 @@ def turned(vector: Vector, axis: Vector, angle: float) -> list[float]:
 def utilisation(force: Vector, normal: Vector, law: GivenMaterial, area: float) -> float:
     """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
     along = dot(force, normal)
-    shear = length(plus(force, normal, -along))
+    shear = length(plus(force, normal, -along)) - law.friction_in_bonds * along
     strengths = (shear, law.cohesion * area), (-along, law.effective_tensile_strength * area)
     used = [part / most if most else math.inf for part, most in strengths if part > 0.0]
     return max(used, default=0.0)

@@ -94,10 +94,10 @@ class YadeModel:
         ]
         watch(pairs)
         O.step()  # bonds form now, and never again
-        for found in filter(None, map(contact, pairs)):
-            if not found.phys.cohesionBroken:
-                # By default YADE adds friction to the cohesion, and in tension takes it off.
-                found.phys.cohesionDisablesFriction = True
+        for found, face in zip(map(contact, pairs), self.face_of, strict=True):
+            if found and not found.phys.cohesionBroken:
+                # If not, YADE adds friction to the cohesion, and in tension takes it off.
+                found.phys.cohesionDisablesFriction = face.material.friction_in_bonds == 0.0
                 if self.settings.ductile:  # or its first plastic opening would break a bond
                     found.phys.unpMax = -1.0
         detection.interactionDetectionFactor = 1.0

@@ -59,7 +59,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 Flags = NDArray[np.bool_]
 _NUMBERS = attrgetter(
     *("normal_stiffness", "shear_stiffness", "cohesion", "tensile_strength"),
-    *("friction", "bond_friction"),
+    *("friction", "friction_in_bonds"),
 )
 
 

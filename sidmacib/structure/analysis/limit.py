@@ -50,7 +50,7 @@ def assumes(assembly: Assembly) -> str:
         held = "locks limited by the rule under their hold_down, a plate by default"
         return f"{held}; the first lock to fail governs"
     if has_bonds(assembly):
-        rough = any(face.material.bond_friction for face in assembly.faces)
+        rough = any(face.material.friction_in_bonds for face in assembly.faces)
         bonds = "ductile bonds" if rough else "ductile, frictionless bonds"
         return f"{bonds}: neither an upper nor a lower bound for brittle bonds"
     return "associated friction: may overestimate"

@@ -42,7 +42,7 @@ class _Law(Keys):
 
 
 _INTERFACE: Any = section_of(INTERFACE, *NUMBERS)
-_INNER: Any = section_of(INNER, *NUMBERS)
+_INNER: Any = section_of(replace(INNER, bond_friction=None), *NUMBERS)
 _DRY: Any = section_of(DRY, *NUMBERS)
 _CHANGES: Any = changes_to(_INTERFACE)
 
@@ -58,8 +58,8 @@ class _Crushed(Keys):
 class InterfaceSection(_INTERFACE, _Crushed, _Law):
     """The law of faces, which are bonded if the cohesion or the tensile strength is above 0.
 
-    Limit analysis uses no stiffnesses. ``friction``: coefficient μ, of a bonded face after it has
-    failed; ``bond_friction``: of a bond while it holds, c + μσ.
+    Limit analysis uses no stiffnesses. ``friction``: coefficient μ. Bonds have the shear strength
+    c + μσ (EN 1996-1-1, 3.6.2); ``bond_friction`` is their μ while they hold, if it is another.
     """
 
     of: ClassVar = CrushedMaterial
