@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sidmacib.joint import Side
+from sidmacib.joint import Side, UpperBody
 from workflow.schema import Study
 from workflow.schema.sections import AssemblySection
 
@@ -37,7 +37,7 @@ class Published:
             and joint.locks in self.numbers["weights"]
             and joint.first is Side.UPPER
             and not joint.different
-            and study.assembly == AssemblySection()
+            and study.assembly == AssemblySection(upper_body=UpperBody.COLUMNS)
             and 0.0 in study.eccentricities
         )
 

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import yaml
@@ -58,6 +59,11 @@ ONE = {"samples": {"n3": {"locks": 3}}, "meshes": [0.02], "eccentricities": [0]}
 Lines = Iterator[tuple[str, str, float]]  # what was measured, its unit and its value
 
 
+def columns(locks: int, **given: Any) -> Joint:
+    """A joint as in the paper: its upper block is cut into columns."""
+    return Joint(locks, upper_body=UpperBody.COLUMNS, **given)
+
+
 def problem(joint: Joint, mesh: float = 0.02, ratio: float = 0.0) -> Problem:
     """A joint under V at ``ratio`` (e / a)."""
     return posed(joint, Loading(Direction(ratio)), mesh)
@@ -65,7 +71,7 @@ def problem(joint: Joint, mesh: float = 0.02, ratio: float = 0.0) -> Problem:
 
 def numbered(number: int) -> Problem:
     """One of many joints of five locks."""
-    return problem(Joint(5, h=0.008 + 1e-5 * number), ratio=0.02 * (number % 50))
+    return problem(columns(5, h=0.008 + 1e-5 * number), ratio=0.02 * (number % 50))
 
 
 def static_load(number: int) -> float:
@@ -89,13 +95,15 @@ def library_figures() -> Lines:
         cases = partial(pool.map, static_load, range(1000), chunksize=50)
         spent = seconds(lambda: list(cases()), clock=time.perf_counter)
         yield "static cases, 5 locks", "1/s", 1000 / spent
-    sampled = list(sampled_joints(SamplingSection(joints=512, seed=2026), Joint(5), 1, 41))
+    sampled = list(sampled_joints(SamplingSection(joints=512, seed=2026), columns(5), 1, 41))
     ratios = (0.0, 0.05, 0.1, 0.3, 1.0, 3.0, float("inf"))
     points = partial(solved_rows, sampled, ratios, cells=(1, 2), limited=41)
     spent = seconds(lambda: list(points())) / (len(sampled) * len(ratios))
     yield "static model, a point of make locks", "ms CPU", 1e3 * spent
     for locks, mesh, name in ((63, 0.02, "63 locks"), (15, 0.005, "15 locks, mesh 0.005 m")):
-        solve = partial(lambda joint, mesh: static_peak(*problem(joint, mesh)), Joint(locks), mesh)
+        solve = partial(
+            lambda joint, mesh: static_peak(*problem(joint, mesh)), columns(locks), mesh
+        )
         least = min(seconds(solve, clock=time.perf_counter) for _ in range(3))
         yield f"static case, {name}", "s", least
     elastic = sidmacib.Elastic(1e10, 0.2)
@@ -104,23 +112,25 @@ def library_figures() -> Lines:
         spent = seconds(lambda: static_peak(*problem(joint, mesh)))  # noqa: B023
         yield f"elastic pieces, {locks} locks, mesh {mesh:g} m", "CPU-s", spent
     for locks in (3, 5):
-        for name, milliseconds in peer_times(Joint(locks)):
+        for name, milliseconds in peer_times(columns(locks)):
             yield f"{name}, {locks} locks", "ms CPU", milliseconds
-    envelope = partial(sidmacib.envelope, sidmacib.Sidmacib(Joint(5), sidmacib.OPTIONS["option4"]))
+    envelope = partial(
+        sidmacib.envelope, sidmacib.Sidmacib(columns(5), sidmacib.OPTIONS["option4"])
+    )
     envelope()
     spent = seconds(envelope, 10, time.perf_counter)
     yield "SiDMACIB, envelope of 5 locks", "ms", 1e3 * spent
     loads = [*(400.0 / (1.0 + 3.0 * e) for e in CURVE[:-1]), 80.0]
     curve = pd.DataFrame({"eccentricity_over_a": CURVE, "load_N": loads})
-    spent = seconds(lambda: best_pair(Joint(5), 1000.0, True, curve))
+    spent = seconds(lambda: best_pair(columns(5), 1000.0, True, curve))
     yield "fit of free contact points, 5 locks", "CPU-s", spent
     for name, locks in (("law", 5), ("safe", 5), ("law", 31), ("safe", 31)):
         first_failure.cache_clear()
         ways = iter([Direction(0.01 + 0.05 * number) for number in range(10)])
-        spent = seconds(lambda: RULES[name](Joint(locks), next(ways)), 10)  # noqa: B023
+        spent = seconds(lambda: RULES[name](columns(locks), next(ways)), 10)  # noqa: B023
         yield f"{name}, {locks} locks", "CPU-s", spent
     first_failure.cache_clear()
-    spent = seconds(lambda: [RULES["law"](Joint(31), Direction(e)) for e in CURVE])
+    spent = seconds(lambda: [RULES["law"](columns(31), Direction(e)) for e in CURVE])
     yield "law, curve of 31 locks", "CPU-s", spent
     sliders = iter([Settings(locks=locks) for locks in range(2, 16)])
     spent = seconds(lambda: pictures(each := next(sliders), answers(each)), 14)

@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import settings
+from joints import sawn
 from small import TWO_MESHES
 from structures import WITH_STRUCTURES
 
@@ -62,7 +63,7 @@ DISTINCT = tuple(name for name, engine in ENGINES.items() if not engine.elastic)
 
 @pytest.fixture
 def joint() -> Joint:
-    return Joint(locks=3)
+    return sawn(locks=3)
 
 
 @pytest.fixture
@@ -131,7 +132,7 @@ def load_on_block(assembly: Assembly, force: tuple[float, float, float], moment_
     """Self-weight, and a force (N) and a moment (N m) on the free block; T0 as their scale."""
     variable = np.zeros((len(assembly.pieces), 6))
     variable[1] = [*force, 0.0, 0.0, moment_z]
-    return Loads(self_weight(assembly.pieces), variable, Joint(3).T0)
+    return Loads(self_weight(assembly.pieces), variable, sawn(3).T0)
 
 
 def run_guided(

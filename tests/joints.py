@@ -1,6 +1,8 @@
 """Joints under load, as tests of models pose them."""
 
-from sidmacib import Direction, Joint, NodeLayout
+from typing import Any
+
+from sidmacib import Direction, Joint, NodeLayout, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.problem import Problem
 
@@ -10,6 +12,11 @@ PUBLISHED = [
     (3, 240.76, [0.77, 0.99, 0.0], 0.035),
     (5, 408.26, [0.57, 0.99, 0.68, 0.68, 0.0], 0.02),
 ]
+
+
+def sawn(locks: int, *sizes: float, **given: Any) -> Joint:
+    """A joint whose upper block is cut into columns, as in the paper, unless it is ``given``."""
+    return Joint(locks, *sizes, **{"upper_body": UpperBody.COLUMNS, **given})
 
 
 def loaded(

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_results import capacity_of, record_with, tables_of
-from small import TWO_MESHES, merged
+from small import ONE, TWO_MESHES, merged
 
 from analysis.published import read_published
 from analysis.summary import rule_errors
@@ -201,7 +201,7 @@ def test_a_faulty_table_is_not_written(results, tmp_path: Path, change, message:
     ],
 )
 def test_only_what_the_paper_has_is_held_to_it(change: dict[str, object], covered: bool) -> None:
-    config = {"samples": {"n": {"locks": 3}}, "meshes": [0.02], **change}
+    config = {**ONE, "samples": {"n": {"locks": 3}}, "meshes": [0.02], **change}
     assert read_published().covers(read_study(config), "n") is covered
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import DISTINCT, a_case, as_read, run_case
-from joints import loaded
+from joints import loaded, sawn
 
 from sidmacib import Elastic, Loading, NodeLayout
 from sidmacib.engines import ENGINES
@@ -33,7 +33,7 @@ def elastic(joint: Joint, body: UpperBody = UpperBody.COLUMNS) -> Joint:
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 @pytest.mark.parametrize("hold_down", [HoldDown(), HoldDown.force(500.0)])
 def test_nodal_forces_add_up_to_the_loads(eccentricity: float, hold_down: HoldDown) -> None:
-    joint = elastic(Joint(3, hold_down=hold_down))
+    joint = elastic(sawn(3, hold_down=hold_down))
     assembly, loads = loaded(joint, eccentricity, 0.02, NodeLayout.VERTICES)
     deck = CalculixDeck(as_read(assembly, loads))
     for index, (piece, grid) in enumerate(zip(assembly.pieces, deck.grids, strict=True)):
@@ -52,7 +52,7 @@ def test_nodal_forces_add_up_to_the_loads(eccentricity: float, hold_down: HoldDo
 
 def test_every_contact_node_of_a_rough_face_is_a_node_of_both_grids() -> None:
     for layout in (NodeLayout.VERTICES, NodeLayout.LOBATTO):
-        joint = elastic(Joint(3), UpperBody.MONOLITHIC)
+        joint = elastic(sawn(3), UpperBody.MONOLITHIC)
         deck = CalculixDeck(as_read(*loaded(joint, 0.5, 0.02, layout)))
         for number, node in enumerate(deck.assembly.nodes):
             face, weights = deck.assembly.faces[node.face], deck.jump_weights(number)
@@ -107,7 +107,7 @@ def test_a_study_with_rigid_pieces_refuses_it_and_one_with_elastic_pieces_takes_
     [(UpperBody.MONOLITHIC, 0.0, 0.005), (UpperBody.COLUMNS, 0.5, 0.01)],
 )
 def test_the_static_model_agrees(run, body: UpperBody, eccentricity: float, allowed: float) -> None:
-    joint = elastic(Joint(3), body)
+    joint = elastic(sawn(3), body)
     loading = Loading(Direction(eccentricity))
     case = a_case("calculix", joint, loading, 0.02, NodeLayout.LOBATTO, first_increment=0.2)
     found = run(case)
@@ -125,6 +125,6 @@ def test_the_static_model_agrees(run, body: UpperBody, eccentricity: float, allo
 @installed
 @pytest.mark.engine
 def test_pieces_that_slide_with_all_bonds_whole_have_no_first_failure(tmp_path: Path) -> None:
-    joint = elastic(Joint(1, hold_down=HoldDown.force(100.0), dry=replace(DRY, friction=0.1)))
+    joint = elastic(sawn(1, hold_down=HoldDown.force(100.0), dry=replace(DRY, friction=0.1)))
     with pytest.raises(EngineError, match=r"no first failure: at 10\.1\d* N \d+\.?\d* % of"):
         run_case(a_case("calculix", joint, Loading(Direction(0.0)), 0.03), tmp_path)

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from small import merged
+from small import ONE, merged
 
 from analysis.calibration.candidates import (
     Trial,
@@ -47,7 +47,7 @@ def study() -> Study:
         **{f"n{n}": {"locks": n} for n in (3, 5, 7)},
         **{f"n{n}_fits": {"locks": n, **FITS} for n in (3, 5)},
     }
-    return read_study({"samples": samples, "nodes": "vertices", "calibration": GRID})
+    return read_study({**ONE, "samples": samples, "nodes": "vertices", "calibration": GRID})
 
 
 @pytest.fixture(scope="module")

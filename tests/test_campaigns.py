@@ -13,12 +13,13 @@ import yaml
 from campaigns import faults, fuzz
 from campaigns.faults import descendants, processes_in
 from conftest import INSTALLED
+from joints import sawn
 from processes import started
 from test_execute import becomes_true
 
 from benchmarks import used
 from benchmarks.peers import furthest_by_highs, standard_form
-from sidmacib import OPTIONS, Joint
+from sidmacib import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
 from workflow.command import STOPPED, lock
 
@@ -88,7 +89,7 @@ def test_a_study_that_is_stopped_leaves_nothing_alive_and_no_lock(
 # --- what `make bench` measures ------------------------------------------------------------------
 @pytest.mark.parametrize("way", [(1.0, 0.0), (0.3, 0.7), (-0.2, -0.9)])
 def test_highs_of_scipy_solves_the_same_programme(way: tuple[float, float]) -> None:
-    model, along = Sidmacib(Joint(5), OPTIONS["option4"]), np.array(way)
+    model, along = Sidmacib(sawn(5), OPTIONS["option4"]), np.array(way)
     ours = SupportFunction(model)(along)
     theirs = furthest_by_highs(standard_form(model), along)
     assert along @ theirs == pytest.approx(along @ ours, rel=1e-9)

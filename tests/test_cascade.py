@@ -8,7 +8,7 @@ import pytest
 from conftest import block_on_ground, load_on_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 
 from sidmacib import Direction, Loads, limit_load
 from sidmacib.joint import INNER, Joint
@@ -86,7 +86,7 @@ SMOOTH = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=0.0, tensile_strength=0
 
 
 def smooth(locks: int, ratio: float = 0.0) -> Problem:
-    return posed(Joint(locks, dry=SMOOTH), Loading(Direction(ratio)), MESH)
+    return posed(sawn(locks, dry=SMOOTH), Loading(Direction(ratio)), MESH)
 
 
 def followed(problem: Problem) -> tuple[Equilibrium, list[Equilibrium]]:
@@ -99,7 +99,7 @@ def test_one_lower_lock_after_the_other_fails_in_pure_shear(locks: int) -> None:
     peak, points = followed(smooth(locks))
     assert len(points) == (locks - 1) / 2 - 1
     if points:  # the last one carries the whole load alone: its strength
-        assert points[-1].load == pytest.approx(Joint(locks).T0, rel=2e-3)
+        assert points[-1].load == pytest.approx(sawn(locks).T0, rel=2e-3)
         assert peak.load > points[0].load
 
 
@@ -117,7 +117,7 @@ def test_each_point_is_at_the_strength_of_a_bond_and_has_fewer_of_them() -> None
 
 
 def test_ductile_bonds_are_not_followed() -> None:
-    problem = posed(Joint(5, failure=Failure.DUCTILE), Loading(Direction(0.0)), MESH)
+    problem = posed(sawn(5, failure=Failure.DUCTILE), Loading(Direction(0.0)), MESH)
     assert followed(problem)[1] == []
 
 
@@ -134,11 +134,11 @@ def peak(joint: Joint, eccentricity: float, mesh: float = 0.03) -> StaticSolutio
 
 
 def softening(locks: int, energy: float, residual: float = 0.0) -> Joint:
-    return Joint(locks, failure=Failure.SOFTENING, inner=fading(energy, residual))
+    return sawn(locks, failure=Failure.SOFTENING, inner=fading(energy, residual))
 
 
 def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> Assembly:
-    joint = Joint(3, inner=material)
+    joint = sawn(3, inner=material)
     return replace(block_on_ground(joint, Kind.INNER, mesh), failure=failure)
 
 
@@ -146,7 +146,7 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
 def test_next_to_no_tensile_strength_carries_as_much_as_none(failure: Failure) -> None:
     """The first failure is then at next to no load, or before the load is raised."""
     none, little = (
-        static_peak(*loaded(Joint(3, failure=failure, inner=inner), math.inf, 0.025))
+        static_peak(*loaded(sawn(3, failure=failure, inner=inner), math.inf, 0.025))
         for inner in (replace(fading(2.0), tensile_strength=strength) for strength in (0.0, 1.0))
     )
     assert none.first_failure_load == 0.0 < little.first_failure_load < 0.01
@@ -217,11 +217,11 @@ def test_what_is_left_never_grows() -> None:
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 def test_without_energy_it_is_brittle_and_with_all_residual_ductile(eccentricity: float) -> None:
     """Without energy: no more than is stored."""
-    brittle = peak(Joint(3), eccentricity)
+    brittle = peak(sawn(3), eccentricity)
     found = peak(softening(3, 0.99 * STORED), eccentricity)
     assert found.first_failure_load == pytest.approx(brittle.first_failure_load, rel=1e-9)
     assert found.peak.load == pytest.approx(brittle.peak.load, rel=1e-3)
-    ductile = peak(Joint(3, failure=Failure.DUCTILE), eccentricity)
+    ductile = peak(sawn(3, failure=Failure.DUCTILE), eccentricity)
     assert peak(softening(3, 0.0, residual=1.0), eccentricity).peak.load == ductile.peak.load
 
 

@@ -13,6 +13,7 @@ import yaml
 from conftest import ROOT, a_case, with_subject
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import sawn
 from small import BOTH, COARSE, ONE, merged
 
 from sidmacib.engines import FOREIGN, Numerics, engine_environment
@@ -288,7 +289,7 @@ def test_an_engine_that_broke_down_is_tried_again_and_one_without_an_answer_on_r
 
 
 def case_on(mesh: float) -> JointCase:
-    return a_case("yade", Joint(locks=3), Loading(Direction(0.0)), mesh)
+    return a_case("yade", sawn(locks=3), Loading(Direction(0.0)), mesh)
 
 
 def test_more_nodes_ask_for_more_but_no_longer_than_the_time_limit_of_the_engine() -> None:

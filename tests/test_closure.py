@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 from conftest import a_case
+from joints import sawn
 from processes import ROOT, python
 from small import COARSE
 
 import sidmacib
-from sidmacib import Direction, Elastic, Joint, Loading
+from sidmacib import Direction, Elastic, Loading
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
 from sidmacib.models import MODELS
@@ -159,7 +160,7 @@ def _assert_covered(
 @pytest.mark.engine
 @pytest.mark.parametrize("model", ENGINES)
 def test_what_an_engines_job_imports_and_reads_is_in_closure(tmp_path: Path, model: str) -> None:
-    joint = Joint(2, elastic=Elastic(1e10) if ENGINES[model].elastic else None)
+    joint = sawn(2, elastic=Elastic(1e10) if ENGINES[model].elastic else None)
     case = a_case(model, joint, Loading(Direction(0.0)), 0.04)
     arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
     outputs = {"record": f"{tmp_path}/record.json", "result": f"{tmp_path}/result.json"}
@@ -249,7 +250,7 @@ def test_type_checkers_know_the_types_of_public_names(tmp_path: Path) -> None:
     (tmp_path / "user.py").write_text(
         "import sidmacib\nfrom sidmacib import Joint, assemble, limit_load\n"
         + "".join(f"sidmacib.{name}\n" for name in sidmacib.__all__)
-        + "reveal_type(assemble(Joint(3), 0.02))\nreveal_type(sidmacib.Direction(0.5).shear)\n"
+        + "reveal_type(assemble(sawn(3), 0.02))\nreveal_type(sidmacib.Direction(0.5).shear)\n"
     )
     strict = ("--strict", "--config-file=", "user.py", "--cache-dir", ".cache")
     skipped = ("--follow-imports=silent", "--ignore-missing-imports")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from command_runner import answers, run
 from conftest import ROOT
+from joints import sawn
 
 from analysis.drawing import label_of
 from sidmacib import Elastic, law, lock_weights, lowest_peak, pairs_of, safe, sensitivity
@@ -20,6 +21,8 @@ from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
+
+SAWN = "--upper-body", "columns"
 
 
 def test_the_static_model_of_pieces_that_bend_is_asked_for_by_name() -> None:
@@ -115,7 +118,7 @@ def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
 def test_a_late_peak_that_meshes_do_not_agree_on_says_what_to_use() -> None:
     """120 N, and 33 N on a mesh of 5 mm, where the first failure is 17 N on all of them."""
     weak, usual = (
-        answers("capacity", "-n", "5", "-e", "0.5", "-m", "static", *more)[0]["note"]
+        answers("capacity", "-n", "5", *SAWN, "-e", "0.5", "-m", "static", *more)[0]["note"]
         for more in (("--tensile-strength", "20000"), ())
     )
     assert weak.endswith("not converged: use the first failure")
@@ -162,8 +165,8 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
 
 
 def test_the_law_prints_how_many_locks_work() -> None:
-    values = {row["what"]: row["value"] for row in answers("law", "-n", "9")}
-    joint, pairs = Joint(9), pairs_of(Joint(9))
+    values = {row["what"]: row["value"] for row in answers("law", "-n", "9", *SAWN)}
+    joint, pairs = sawn(9), pairs_of(sawn(9))
     expected = {
         "bearing pairs of locks": 4,
         "effective locks, closed form": pairs.working,

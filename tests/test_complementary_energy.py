@@ -5,10 +5,10 @@ import math
 import cvxpy as cp
 import numpy as np
 import pytest
-from joints import loaded
+from joints import loaded, sawn
 from scipy.sparse import csr_array
 
-from sidmacib import Joint, SolverError, static_peak
+from sidmacib import SolverError, static_peak
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
@@ -64,7 +64,7 @@ def least_energy_forces(assembly: Assembly, loads: Loads, load: float) -> Floats
 @pytest.mark.parametrize("locks", [3, 4])
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: float) -> None:
-    model, loads = loaded(Joint(locks), eccentricity)
+    model, loads = loaded(sawn(locks), eccentricity)
     path = static_peak(model, loads).path
     load = 0.6 * path[-1].load
     solver = RigidSolver(model, loads)

@@ -8,7 +8,7 @@ import pytest
 from conftest import block_on_ground
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 
 from sidmacib import NodeLayout, assemble
 from sidmacib.engines.render import engine_material
@@ -82,7 +82,7 @@ def bonds(joint: Joint) -> tuple[ContactLaw, NodeState]:
 
 @given(st.floats(0.0, 3.0), st.floats(-3.0, 3.0), st.floats(0, 2 * math.pi))
 def test_shear_or_tension_decides_utilisation(shear: float, tension: float, angle: float) -> None:
-    contact_law, state = bonds(Joint(3))
+    contact_law, state = bonds(sawn(3))
     x, y = shear * math.cos(angle), shear * math.sin(angle)
     strength = contact_law.shear_strength
     force = np.column_stack([-tension * contact_law.tensile_strength, x * strength, y * strength])
@@ -91,7 +91,7 @@ def test_shear_or_tension_decides_utilisation(shear: float, tension: float, angl
 
 @given(st.floats(0.0, 2.0), st.floats(-0.5, 10.0), st.floats(0, 2 * math.pi))
 def test_a_bond_on_its_cone_is_used_up(friction: float, pressure: float, angle: float) -> None:
-    contact_law, state = bonds(Joint(3, inner=replace(INNER, bond_friction=friction)))
+    contact_law, state = bonds(sawn(3, inner=replace(INNER, bond_friction=friction)))
     cone, normal = contact_law.cone(), pressure * contact_law.shear_strength
     shear = cone.shear(normal)
     force = np.column_stack([normal, math.cos(angle) * shear, math.sin(angle) * shear])
@@ -101,7 +101,7 @@ def test_a_bond_on_its_cone_is_used_up(friction: float, pressure: float, angle: 
 
 
 def test_scripts_of_engines_know_the_same_strengths() -> None:
-    contact_law, state = bonds(Joint(3))
+    contact_law, state = bonds(sawn(3))
     count = len(contact_law.friction)
     force = np.random.default_rng(1).normal(scale=contact_law.shear_strength[0], size=(count, 3))
     used = utilisation(contact_law, state, force)
@@ -113,7 +113,7 @@ def test_scripts_of_engines_know_the_same_strengths() -> None:
 
 @pytest.mark.parametrize("name", ["cohesion", "tensile_strength"])
 def test_without_a_strength_any_force_against_it_is_too_much(name: str) -> None:
-    contact_law, state = bonds(Joint(3, inner=replace(INNER, **{name: 0.0})))
+    contact_law, state = bonds(sawn(3, inner=replace(INNER, **{name: 0.0})))
     none = np.zeros((len(contact_law.friction), 3))
     pulled, pressed = none.copy(), none.copy()
     pulled[:] = (-1e-9, 0, 0) if name == "tensile_strength" else (0, 1e-9, 0)
@@ -153,23 +153,23 @@ def test_a_rule_is_exact_up_to_its_degree_and_no_further(layout: NodeLayout) -> 
 
 @pytest.mark.parametrize(("more", "cells"), [(0.0, 3), (5e-8, 3), (-2e-9, 3), (1e-4, 4)])
 def test_digits_of_a_size_that_nobody_means_make_no_more_cells(more: float, cells: int) -> None:
-    model = assemble(Joint(3, a=0.06 + more), 0.02)
+    model = assemble(sawn(3, a=0.06 + more), 0.02)
     assert cell_counts(model.faces, 0.02)[:, 0].max() == cells
 
 
 def test_one_cell_of_lobatto_points_is_enough_and_a_million_too_many() -> None:
-    model = assemble(Joint(3), 0.05)
+    model = assemble(sawn(3), 0.05)
     assert cell_counts(model.faces, 0.05)[:, 1].max() == 1
     with pytest.raises(ValueError, match=r"at most 0\.05 m, .* \(got 0\.051 m\)"):
-        assemble(Joint(3), 0.051)
+        assemble(sawn(3), 0.051)
     words = r"^mesh: 1e-06 m is not allowed; .* at most 1000000 cells \(they would have 3.*e\+10\)$"
     with pytest.raises(ValueError, match=words):
-        assemble(Joint(3), 1e-6)  # before they are made
+        assemble(sawn(3), 1e-6)  # before they are made
 
 
 @given(st.sampled_from(LAYOUTS), st.floats(0.004, 0.045))
 def test_nodes_of_a_face_have_its_area_middle_and_corners(layout: NodeLayout, mesh: float) -> None:
-    model = assemble(Joint(2), mesh, layout)
+    model = assemble(sawn(2), mesh, layout)
     for number, face in enumerate(model.faces):
         on_face = model.nodes.face == number
         assert model.nodes.area[on_face].sum() == pytest.approx(face.area)
@@ -186,7 +186,7 @@ def test_nodes_of_a_face_have_its_area_middle_and_corners(layout: NodeLayout, me
     ("layout", "order"), [(NodeLayout.CENTRES, 1.0), (NodeLayout.VERTICES, 2.0)]
 )
 def test_first_failures_converge_at_the_layouts_order(layout: NodeLayout, order: float) -> None:
-    joint = Joint(3)
+    joint = sawn(3)
     limit = solved(joint, 0.0025, NodeLayout.LOBATTO, math.inf).first_failure_load
     meshes = (0.02, 0.01, 0.005)
     firsts = (solved(joint, mesh, layout, math.inf).first_failure_load for mesh in meshes)

@@ -12,7 +12,7 @@ from conftest import scaled
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from sidmacib import (
@@ -48,7 +48,7 @@ def solved(joint: Joint, mesh: float, nodes: NodeLayout, e_over_a: float = 0.0) 
 
 
 def elastic(locks: int, young: float = YOUNG, body: UpperBody = UpperBody.COLUMNS) -> Joint:
-    return Joint(locks, upper_body=body, elastic=Elastic(young))
+    return sawn(locks, upper_body=body, elastic=Elastic(young))
 
 
 # --- the limit of stiff blocks -------------------------------------------------------------------
@@ -56,7 +56,7 @@ def elastic(locks: int, young: float = YOUNG, body: UpperBody = UpperBody.COLUMN
 @pytest.mark.parametrize("body", BODIES)
 def test_stiff_blocks_are_rigid_ones(layout: NodeLayout, body: UpperBody) -> None:
     stiff = solved(elastic(3, 1e15, body), 0.03, layout, 0.5)
-    rigid = solved(Joint(3, upper_body=body), 0.03, layout, 0.5)
+    rigid = solved(sawn(3, upper_body=body), 0.03, layout, 0.5)
     assert stiff.first_failure_load == pytest.approx(rigid.first_failure_load, rel=1e-3)
     assert stiff.peak.load == pytest.approx(rigid.peak.load, rel=1e-3)
     assert stiff.peak.displacement == pytest.approx(rigid.peak.displacement, rel=1e-3)
@@ -144,7 +144,7 @@ def test_another_program_finds_the_same_loads(locks: int, body: UpperBody, expec
 def test_joined_columns_are_as_stiff_as_one_piece() -> None:
     for block in (None, Elastic(YOUNG)):
         joined, whole = (
-            solved(Joint(5, upper_body=body, elastic=block), 0.02, NodeLayout.VERTICES)
+            solved(sawn(5, upper_body=body, elastic=block), 0.02, NodeLayout.VERTICES)
             for body in (UpperBody.JOINED, UpperBody.MONOLITHIC)
         )
         assert joined.first_failure_load == pytest.approx(whole.first_failure_load, rel=5e-3)
@@ -154,7 +154,7 @@ def test_a_pair_whose_only_face_does_not_reach_the_load_carries_nothing() -> Non
     """It turns on smooth faces; the little stiffness that is added held it 700 m away, at 0.4 N."""
     dry = FaceMaterial(2.98e8, 1.6e8, 0.0, 0.0, 0.0)
     inner = FaceMaterial(1e10, 1.3e10, 0.0, 8e4, 9.24e4)
-    pair = Joint(2, a=0.0382, b=0.05, h=0.01175, H=0.1645, density=29.56, inner=inner, dry=dry)
+    pair = sawn(2, a=0.0382, b=0.05, h=0.01175, H=0.1645, density=29.56, inner=inner, dry=dry)
     pair = replace(pair, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.pressure(1031.0))
     for direction in (Direction(-0.887), Direction(0.887)):
         joint = replace(pair, elastic=Elastic(2.13e11, 0.14))
@@ -167,7 +167,7 @@ def test_a_pair_whose_only_face_does_not_reach_the_load_carries_nothing() -> Non
 
 def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_0_N() -> None:
     """The attack found it: 45 N with the least weight, and a mechanism at 0 N without."""
-    joint = Joint(
+    joint = sawn(
         3,
         *(0.0358822256137526, 0.05, 0.00860082630980514, 0.08724305802660312),
         density=0.0,
@@ -188,7 +188,7 @@ def test_a_smooth_pressed_joint_is_solved_silently(capfd: pytest.CaptureFixture[
     joint = replace(
         elastic(2, body=UpperBody.MONOLITHIC),
         hold_down=HoldDown.pressure(5e4),
-        dry=replace(Joint(2).dry, friction=0.0),
+        dry=replace(sawn(2).dry, friction=0.0),
     )
     assert solved(joint, 0.03, LAYOUTS[0]).peak.load == pytest.approx(225.0, rel=0.04)
     assert capfd.readouterr() == ("", "")
@@ -203,7 +203,7 @@ def test_a_smooth_pressed_joint_is_solved_silently(capfd: pytest.CaptureFixture[
 )
 def test_stiff_rough_faces_are_at_rest(hold_down: HoldDown, layout: NodeLayout, cells: int) -> None:
     """Newton's method alone cycles on some of these meshes: there was no equilibrium at 0 N."""
-    joint = Joint(
+    joint = sawn(
         2,
         a=0.1,
         inner=FaceMaterial(1e10, 1.05e9, 0.0, 8e4, 3.7e5),

@@ -12,7 +12,7 @@ import pytest
 from conftest import as_read
 from hypothesis import given
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 from scipy.spatial.transform import Rotation
 from stack import tilted_stack
 from structures import dry
@@ -28,7 +28,6 @@ from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
 from sidmacib.engines.scripts.surroundings import LOOK, MET, Surroundings, meeting
 from sidmacib.engines.sides import vertices_above
-from sidmacib.joint import Joint
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
@@ -41,7 +40,7 @@ LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5, 0.0)
 
 @pytest.fixture
 def three() -> GivenAssembly:
-    return as_read(*loaded(Joint(3), 0.5, 0.02))
+    return as_read(*loaded(sawn(3), 0.5, 0.02))
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import pytest
 from campaigns.faults import processes_in
 from command_runner import answers
 from conftest import ROOT, a_case, block_on_ground, load_on_block, run_case, run_guided
-from joints import PUBLISHED, loaded
+from joints import PUBLISHED, loaded, sawn
 from stack import tilted_stack
 from test_execute import becomes_true
 
@@ -102,7 +102,7 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
 # --- a right answer or a clear no ----------------------------------------------------------------
 def test_pieces_that_nothing_holds_drift_off_and_have_no_peak(tmp_path: Path) -> None:
     # Without friction nothing holds the upper pieces along x, once a torque has turned them.
-    joint = Joint(3, dry=replace(DRY, friction=0.0))
+    joint = sawn(3, dry=replace(DRY, friction=0.0))
     with pytest.raises(EngineError, match=r"no peak: at .* drift off where the load does no work"):
         run_case(a_case("yade", joint, Loading(Direction(np.inf)), mesh=0.02), tmp_path)
 
@@ -115,7 +115,7 @@ def test_soft_faces_fail_where_the_static_model_says(
     run, engine: str, stiffness: float, eccentricity: float
 ) -> None:
     soft = {"normal_stiffness": stiffness, "shear_stiffness": stiffness}
-    joint = Joint(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
+    joint = sawn(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
     loading = Loading(Direction(eccentricity))
     case = a_case(engine, joint, loading, 0.02, NodeLayout.VERTICES)
     expected = static_peak(*case.subject.problem()).peak.load
@@ -124,14 +124,14 @@ def test_soft_faces_fail_where_the_static_model_says(
 
 def test_contacts_too_soft_for_distinct_elements_are_refused(engine: str, tmp_path: Path) -> None:
     soft = {"normal_stiffness": 1e6, "shear_stiffness": 1e6}
-    joint = Joint(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
+    joint = sawn(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
     with pytest.raises(EngineError, match=f"{engine}: contacts are so soft that the load moves"):
         run_case(a_case(engine, joint, Loading(Direction(0.0)), mesh=0.02), tmp_path)
 
 
 def test_joints_with_hardly_any_tensile_strength_have_a_peak(engine: str, run) -> None:
     # In the static model, the limit of ever smaller tensile strengths.
-    joint, loading = Joint(3, inner=replace(INNER, tensile_strength=1e-3)), Loading(Direction(0.0))
+    joint, loading = sawn(3, inner=replace(INNER, tensile_strength=1e-3)), Loading(Direction(0.0))
     expected = static_peak(*loaded(joint))
     none = replace(joint, inner=replace(INNER, tensile_strength=0.0))
     result = run(a_case(engine, none, loading, mesh=0.03))
@@ -141,7 +141,7 @@ def test_joints_with_hardly_any_tensile_strength_have_a_peak(engine: str, run) -
 
 def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: Path) -> None:
     numerics = Numerics(time_step_ratio=20.0)  # over the largest stable one
-    assembly = block_on_ground(Joint(3), Kind.INNER, mesh=0.03)
+    assembly = block_on_ground(sawn(3), Kind.INNER, mesh=0.03)
     loads = load_on_block(assembly, (0.0, 1.0, 0.0), 0.0)
     with pytest.raises(
         EngineError, match=r"diverged|try a smaller time_step_ratio|LIGGGHTS ended before its"
@@ -155,12 +155,12 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, float("inf")])
 def test_stresses_balance_every_piece(engine: str, run, eccentricity: float) -> None:
-    result = run(a_case(engine, Joint(3), Loading(Direction(eccentricity)), mesh=0.02))
+    result = run(a_case(engine, sawn(3), Loading(Direction(eccentricity)), mesh=0.02))
     assert result.unbalanced_share < 0.0075
 
 
 def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(Direction(0.5)), mesh=0.02))
+    result = run(a_case(engine, sawn(3), Loading(Direction(0.5)), mesh=0.02))
     dry = result.nodes[result.nodes["kind"] == "dry"]
     shear = np.linalg.norm(dry[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]], axis=1)
     assert (dry["normal_Pa"] >= 0.0).all()
@@ -169,7 +169,7 @@ def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: s
 
 
 def test_the_history_has_load_displacement_shear_and_breakage(engine: str, run) -> None:
-    history = run(a_case(engine, Joint(3), Loading(Direction(0.0)))).history
+    history = run(a_case(engine, sawn(3), Loading(Direction(0.0)))).history
     assert set(history["stage"]) >= {"equilibrium", "collapse"}
     still = history[history["stage"] == "equilibrium"]
     assert still["load_N"].is_monotonic_increasing
@@ -188,11 +188,11 @@ STRONG = replace(INNER, cohesion=1e5, normal_stiffness=2e10, shear_stiffness=2e1
 @pytest.mark.parametrize(
     ("joint", "eccentricity"),
     [
-        *((Joint(3), 0.0), (Joint(5), 0.2), (Joint(3), float("inf"))),
-        (Joint(3, first=Side.LOWER), 0.2),
-        (Joint(3, different={2: OwnLock(width=0.06, density=2000.0, inner=STRONG)}), 0.0),
-        (Joint(3, hold_down=HoldDown.force(500.0)), 0.5),
-        (Joint(3, hold_down=HoldDown.weight()), 0.0),
+        *((sawn(3), 0.0), (sawn(5), 0.2), (sawn(3), float("inf"))),
+        (sawn(3, first=Side.LOWER), 0.2),
+        (sawn(3, different={2: OwnLock(width=0.06, density=2000.0, inner=STRONG)}), 0.0),
+        (sawn(3, hold_down=HoldDown.force(500.0)), 0.5),
+        (sawn(3, hold_down=HoldDown.weight()), 0.0),
     ],
 )
 def test_joints_have_the_static_models_peak_and_weights(
@@ -210,7 +210,7 @@ def test_joints_have_the_static_models_peak_and_weights(
 def test_stiff_rough_dry_faces_do_not_slip_as_the_load_is_raised(tmp_path: Path) -> None:
     """With the usual rate of loading YADE had 137.9 N; an own solver has 151.00 N."""
     stiff = replace(DRY, normal_stiffness=1e13, shear_stiffness=1e13)
-    problem = loaded(Joint(5, dry=stiff), float("inf"), 0.02, NodeLayout.VERTICES)
+    problem = loaded(sawn(5, dry=stiff), float("inf"), 0.02, NodeLayout.VERTICES)
     first = found("yade", tmp_path, problem, Numerics())["first_failure_load_N"]
     assert first == pytest.approx(151.00, rel=2e-3)
     assert first == pytest.approx(static_peak(*problem).first_failure_load, rel=2e-3)
@@ -223,7 +223,7 @@ def test_a_broken_column_stands_only_where_it_turns_little(engine: str, run, tim
         replace(law, normal_stiffness=times * 1e10, shear_stiffness=times * 1e10)
         for law in (INNER, DRY)
     )
-    strong = Joint(3, inner=replace(inner, cohesion=1e6), dry=dry)
+    strong = sawn(3, inner=replace(inner, cohesion=1e6), dry=dry)
     loading = Loading(Direction(0.5))
     case = a_case(engine, strong, loading, mesh=0.02, nodes=NodeLayout.LOBATTO)
     result, (expected, _, _) = run(case), solved(case, static_model)
@@ -234,7 +234,7 @@ def test_a_broken_column_stands_only_where_it_turns_little(engine: str, run, tim
 
 
 def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
-    case = a_case(engine, Joint(2), Loading(Direction(0.2)))
+    case = a_case(engine, sawn(2), Loading(Direction(0.2)))
     one, other = (run_case(case, tmp_path / name) for name in ("one", "other"))
     for name in OUTPUTS:
         assert (one / name).read_bytes() == (other / name).read_bytes()
@@ -256,14 +256,14 @@ SHEAR = Loading(Direction(0.0))
 def test_published_samples_reach_their_peak_and_weights(
     run, locks: int, published: float, weights: list[float], within: float
 ) -> None:
-    result = run(a_case("yade", Joint(locks), SHEAR, mesh=0.02))
+    result = run(a_case("yade", sawn(locks), SHEAR, mesh=0.02))
     assert result.shear == pytest.approx(published, rel=within)
     assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.06)
 
 
 def test_halving_the_loading_rate_hardly_moves_the_peak(run) -> None:
     fast, slow = (
-        run(a_case("yade", Joint(3), SHEAR, mesh=0.02, ramp_periods=periods)).peak_load
+        run(a_case("yade", sawn(3), SHEAR, mesh=0.02, ramp_periods=periods)).peak_load
         for periods in (40.0, 80.0)
     )
     assert slow == pytest.approx(fast, rel=0.005)
@@ -271,7 +271,7 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(run) -> None:
 
 def test_a_joint_whose_column_snaps_to_another_equilibrium_has_not_collapsed(run) -> None:
     """Its first column breaks off, turns by five hundredths and rests against the next lock."""
-    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
+    joint = sawn(3, inner=replace(INNER, cohesion=1e6))
     nodes = NodeLayout.VERTICES  # and more damping, or it swings so far that it breaks more bonds
     case = a_case("yade", joint, Loading(Direction(0.5)), 0.02, nodes, damping=0.7)
     found, expected = run(case), static_peak(*case.subject.problem())
@@ -282,7 +282,7 @@ def test_a_joint_whose_column_snaps_to_another_equilibrium_has_not_collapsed(run
 
 def test_a_ductile_bond_yields_in_tension_and_does_not_break(tmp_path: Path) -> None:
     """Pulled upwards beside its middle, it reaches the plastic limit, or more as it turns."""
-    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
+    joint = sawn(3, inner=replace(INNER, cohesion=1e6))
     block = replace(block_on_ground(joint, Kind.INNER, 0.01), failure=Failure.DUCTILE)
     variable = np.zeros((2, 6))
     variable[1, 2], variable[1, 3] = 1.0, 0.02  # N upwards, and N m for each of them
@@ -296,7 +296,7 @@ def test_a_ductile_bond_yields_in_tension_and_does_not_break(tmp_path: Path) -> 
 
 def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(run) -> None:
     """Both have friction, by which they carry more than limit analysis, which has none."""
-    joint, loading = Joint(5, failure=Failure.DUCTILE), Loading(Direction(0.5))
+    joint, loading = sawn(5, failure=Failure.DUCTILE), Loading(Direction(0.5))
     found = run(a_case("yade", joint, loading, 0.02, NodeLayout.VERTICES))
     problem = found.case.subject.problem()
     assert found.peak_load == pytest.approx(static_peak(*problem).peak.load, rel=0.02)
@@ -306,7 +306,7 @@ def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(run) ->
 
 # --- the engine ----------------------------------------------------------------------------------
 def test_the_script_runs_by_hand_with_yades_own_launcher(tmp_path: Path) -> None:
-    folder = run_case(a_case("yade", Joint(2), SHEAR), tmp_path / "case")
+    folder = run_case(a_case("yade", sawn(2), SHEAR), tmp_path / "case")
     expected = [(folder / name).read_bytes() for name in OUTPUTS]
     for name in OUTPUTS:
         (folder / name).unlink()
@@ -323,7 +323,7 @@ LIGGGHTS = ENGINES["liggghts"]
 
 
 def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
-    joint, loading = Joint(3), Loading(Direction(2.0))
+    joint, loading = sawn(3), Loading(Direction(2.0))
     found = run(a_case("liggghts", joint, loading, mesh=0.01))
     expected = static_peak(*found.case.subject.problem())
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
@@ -332,14 +332,14 @@ def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
 
 def test_two_ranks_find_what_one_finds(run) -> None:
     one, two = (
-        run(a_case("liggghts", Joint(3), Loading(Direction(0.5)), mesh=0.02, ranks=n)).peak_load
+        run(a_case("liggghts", sawn(3), Loading(Direction(0.5)), mesh=0.02, ranks=n)).peak_load
         for n in (1, 2)
     )
     assert two == pytest.approx(one, rel=0.002)
 
 
 def written(tmp_path: Path, locks: int = 2, mesh: float = 0.03, **numerics: int) -> Path:
-    write_script(LIGGGHTS, *loaded(Joint(locks), 0.0, mesh), Numerics(**numerics), "case", tmp_path)
+    write_script(LIGGGHTS, *loaded(sawn(locks), 0.0, mesh), Numerics(**numerics), "case", tmp_path)
     return tmp_path
 
 

@@ -9,6 +9,7 @@ from conftest import scaled
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from joints import sawn
 from scipy.spatial import ConvexHull
 
 import sidmacib.contact_points.programme as programme_module
@@ -71,7 +72,7 @@ def test_a_slender_triangle_a_line_and_a_point_have_their_ends_for_vertices(corn
 
 @pytest.mark.parametrize("locks", [3, 5, 6])
 def test_every_capacity_lies_on_the_envelope(locks: int) -> None:
-    joint = Joint(locks)
+    joint = sawn(locks)
     model = Sidmacib(joint, OPTIONS["option2"])
     found = envelope(model)
     edges = list(zip(found.vertices, np.roll(found.vertices, -1, axis=0), strict=True))
@@ -96,7 +97,7 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
 @given(st.lists(st.integers(1, 50), min_size=1, max_size=6, unique=True), st.integers(2, 5))
 def test_without_friction_a_contact_point_adds_two_edges(distances: list[int], locks: int) -> None:
     """V is the sum of the forces across, M of the forces times x: a zonogon, known by hand."""
-    joint, positions = Joint(locks), [sign * x for x in distances for sign in (-1, 1)]
+    joint, positions = sawn(locks), [sign * x for x in distances for sign in (-1, 1)]
     count = len(positions)
     option = ContactOption(tuple(x / 100 for x in positions), (1 / count,) * count)
     strength = locks * joint.T0 / count
@@ -146,28 +147,28 @@ WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)
     ],
 )
 def test_reductions_of_five_locks(reduction: str, strength: tuple[float, ...]) -> None:
-    assert REDUCTIONS[reduction](Joint(5), WEIGHTS) == pytest.approx(strength)
+    assert REDUCTIONS[reduction](sawn(5), WEIGHTS) == pytest.approx(strength)
 
 
 def test_lower_locks_count_before_upper_ones() -> None:
-    assert active(Joint(5), 3) == (1, 1, 0, 1, 0)
-    joint = Joint(3, first=Side.LOWER)
+    assert active(sawn(5), 3) == (1, 1, 0, 1, 0)
+    joint = sawn(3, first=Side.LOWER)
     assert half_rule(joint, ()) == (1.0, 0.0, 0.0)
     assert REDUCTIONS["lower_sum"](joint, (0.1, 1.0, 0.9)) == (0.1, 0.0, 0.9)
 
 
 def test_half_of_an_even_number_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^locks: 4 is not allowed .*; it must be odd$"):
-        half_rule(Joint(4), ())
+        half_rule(sawn(4), ())
 
 
 @pytest.mark.parametrize("rule", ["half", "floor_of_sum"])
 def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) -> None:
-    wide = Joint(3, different={2: OwnLock(width=0.06)})
+    wide = sawn(3, different={2: OwnLock(width=0.06)})
     message = r"^different: a strength from 240 to 288 N is not allowed with .* the same for all$"
     with pytest.raises(ValueError, match=message):
         REDUCTIONS[rule](wide, (1.0, 1.0, 1.0))
-    heavy = Joint(3, different={2: OwnLock(density=2000.0)})
+    heavy = sawn(3, different={2: OwnLock(density=2000.0)})
     assert sum(REDUCTIONS[rule](heavy, (0.5, 0.5, 0.0))) == 1.0
 
 
@@ -198,7 +199,7 @@ def test_loads_are_those_of_the_linear_programme(
     first: Side,
 ) -> None:
     dry = replace(DRY, friction=friction)
-    joint = Joint(locks, H=height, dry=dry, hold_down=hold_down, different=different, first=first)
+    joint = sawn(locks, H=height, dry=dry, hold_down=hold_down, different=different, first=first)
     strength = tuple(np.linspace(factor, 1.0, locks))
     model = Sidmacib(joint, ContactOption.pair(distance), strength)
     expected = [point.load for point in capacities(model, DIRECTIONS)]
@@ -226,7 +227,7 @@ PURE_SHEAR, TORSION = Direction(0.0), Direction(math.inf)
 @pytest.mark.parametrize("option", OPTIONS)
 @pytest.mark.parametrize("friction", [False, True])
 def test_pure_shear_is_published(locks: int, published: float, option: str, friction: bool) -> None:
-    model = Sidmacib(Joint(locks), OPTIONS[option], friction=friction)
+    model = Sidmacib(sawn(locks), OPTIONS[option], friction=friction)
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(published, rel=1e-9)
 
 
@@ -260,7 +261,7 @@ def test_a_programme_is_made_once_for_a_joint(
 @pytest.mark.parametrize("friction", [False, True])
 def test_strength_far_from_what_presses_gives_the_load_by_hand(power: int, friction: bool) -> None:
     """Rocking about the last lock, or the locks' strength, decides pure shear."""
-    joint = Joint(3, inner=replace(INNER, cohesion=10.0**power * 8e4))
+    joint = sawn(3, inner=replace(INNER, cohesion=10.0**power * 8e4))
     model = Sidmacib(joint, OPTIONS["option4"], friction=friction)
     upper_locks, body = 2 * joint.h, 3 * joint.H  # volumes over a b
     centre = (upper_locks * joint.h / 2 + body * (joint.h + joint.H / 2)) / (upper_locks + body)
@@ -283,7 +284,7 @@ def test_strength_far_from_what_presses_gives_the_load_by_hand(power: int, frict
 def test_the_load_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitude(
     length: float, stress: float, eccentricity: float, locks: int
 ) -> None:
-    joint, direction, factor = Joint(locks), Direction(eccentricity), stress * length**2
+    joint, direction, factor = sawn(locks), Direction(eccentricity), stress * length**2
     one = capacity(Sidmacib(joint, OPTIONS["option3"]), direction)
     larger, overload = scaled(joint, length, stress), factor * Sidmacib.overload
     model = Sidmacib(larger, OPTIONS["option3"], overload=overload)

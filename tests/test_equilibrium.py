@@ -9,6 +9,7 @@ from conftest import block_on_ground, load_on_block
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from joints import sawn
 from stack import tilted_stack
 
 from sidmacib import Assembly, FaceMaterial, Loads, NodeLayout, UpperBody, assemble
@@ -78,8 +79,8 @@ def test_compliance_of_a_block_under_torque_is_that_of_its_polar_moment(joint: J
 
 
 ASSEMBLIES = {
-    "columns": assemble(Joint(4), 0.03, NodeLayout.CENTRES),
-    "monolithic": assemble(Joint(5, upper_body=UpperBody.MONOLITHIC), 0.03, NodeLayout.CENTRES),
+    "columns": assemble(sawn(4), 0.03, NodeLayout.CENTRES),
+    "monolithic": assemble(sawn(5, upper_body=UpperBody.MONOLITHIC), 0.03, NodeLayout.CENTRES),
     "stack": tilted_stack(3)[0],
 }
 
@@ -180,9 +181,9 @@ def test_equations_without_a_solution_are_reported(model: Assembly) -> None:
 
 def test_the_band_does_not_grow_with_the_locks_as_a_body_in_one_piece_is_in_its_border() -> None:
     for locks in (7, 31):
-        order = ordering(assemble(Joint(locks, upper_body=UpperBody.MONOLITHIC), 0.03))
+        order = ordering(assemble(sawn(locks, upper_body=UpperBody.MONOLITHIC), 0.03))
         assert (order.inner, order.outer, order.band) == (6 * locks, 6, 11)
-    few, many = (ordering(assemble(Joint(n), 0.03)) for n in (7, 31))
+    few, many = (ordering(assemble(sawn(n), 0.03)) for n in (7, 31))
     assert (many.band, many.outer) == (few.band, 0)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from joints import loaded
+from joints import loaded, sawn
 from processes import python
 from stack import tilted_stack
 from structures import on_ground
@@ -33,7 +33,7 @@ from sidmacib.engines.run import (
 )
 from sidmacib.engines.scripts.assembly import Guide, read_assembly
 from sidmacib.errors import ResultError
-from sidmacib.joint import INNER, Joint
+from sidmacib.joint import INNER
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.problem import Problem
 from sidmacib.structure.loads import acceleration
@@ -169,7 +169,7 @@ DUCTILE, BENDS = {"failure": Failure.DUCTILE}, {"elastic": Elastic(1e10)}
     ],
 )
 def test_an_engine_says_what_it_cannot_do(engine: str, joint: dict[str, Any], words: str) -> None:
-    said = refusal(ENGINES[engine], loaded(Joint(3, **joint)).assembly)
+    said = refusal(ENGINES[engine], loaded(sawn(3, **joint)).assembly)
     assert said is None if not words else words in str(said)
 
 
@@ -181,7 +181,7 @@ def engine(request: pytest.FixtureRequest) -> Engine:
 
 @pytest.fixture
 def case() -> Problem:
-    return loaded(Joint(3), 0.5, 0.02)
+    return loaded(sawn(3), 0.5, 0.02)
 
 
 def written(engine: Engine, case: Problem, folder: Path, guide: Guide | None = None) -> Path:
@@ -245,7 +245,7 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     value = getattr(Numerics(), key)
     other = not value if isinstance(value, bool) else type(value)(2 * value)
 
-    joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
+    joint = sawn(3, elastic=Elastic(1e10) if engine.elastic else None)
     problems = [loaded(joint, 0.5)]
     if not engine.elastic:
         blocks = on_ground(0.5)

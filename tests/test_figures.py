@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT
+from joints import sawn
 from made_up_results import record_with, tables_of
 from small import BOTH, TWO_MESHES
 
@@ -22,7 +23,6 @@ from analysis.tables.collect import models_table, weight_sums, weights_table
 from analysis.tables.comparisons import variants_table
 from sidmacib import NodeLayout
 from sidmacib.engines import ENGINES
-from sidmacib.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.models import LAWS
 from studies.published import pictures
@@ -70,7 +70,7 @@ def test_a_sweep_over_many_samples_has_figures_of_the_first_ones_only() -> None:
 
 @pytest.mark.parametrize("layout", NodeLayout)
 def test_the_cells_of_a_stress_map_fill_the_face(layout: NodeLayout) -> None:
-    model, locks = assemble(Joint(3), 0.005, layout), lock_faces(Joint(3))
+    model, locks = assemble(sawn(3), 0.005, layout), lock_faces(sawn(3))
     number = next(k for k, face in enumerate(model.faces) if locks.get(face.name) == 1)
     face, places = model.faces[number], model.nodes.position[model.nodes.face == number]
     for axis in (0, 1):
@@ -153,12 +153,12 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def test_the_picture_of_the_readme_is_the_sketch_of_the_published_joint() -> None:
-    assert PICTURE.read_text() == sketch(Joint(5))
+    assert PICTURE.read_text() == sketch(sawn(5))
 
 
 @pytest.mark.parametrize("locks", [2, 5])
 def test_every_lock_has_its_number_and_every_piece_three_faces(locks: int) -> None:
-    root = ElementTree.fromstring(sketch(Joint(locks)))
+    root = ElementTree.fromstring(sketch(sawn(locks)))
     words = [each.text for each in root.iter(f"{SVG}text")]
     assert sorted(words) == sorted([*map(str, range(1, locks + 1)), "V", "M = V e"])
     faces = [each for each in root.iter(f"{SVG}polygon") if each.get("stroke")]
@@ -166,7 +166,7 @@ def test_every_lock_has_its_number_and_every_piece_three_faces(locks: int) -> No
 
 
 def test_all_that_is_drawn_is_within_the_frame() -> None:
-    root = ElementTree.fromstring(sketch(Joint(3, a=0.1, H=0.2)))
+    root = ElementTree.fromstring(sketch(sawn(3, a=0.1, H=0.2)))
     left, top, width, height = map(float, str(root.get("viewBox")).split())
     for shape in (*root.iter(f"{SVG}polygon"), *root.iter(f"{SVG}polyline")):
         for u, v in re.findall(r"([-\d.]+),([-\d.]+)", str(shape.get("points"))):

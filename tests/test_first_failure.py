@@ -9,6 +9,7 @@ import pytest
 from conftest import scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import sawn
 
 from sidmacib import CapacityError, Effect, Sensitivity, pairs_of, sensitivity, static_first_failure
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
@@ -24,7 +25,7 @@ BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
 
 def joint_of(locks: int, **others: Any) -> Joint:
     """A joint without friction and weight: it is linear but for the contacts."""
-    return Joint(locks, **({"dry": SMOOTH, "density": 0.0} | others))
+    return sawn(locks, **({"dry": SMOOTH, "density": 0.0} | others))
 
 
 def failure(joint: Joint, eccentricity: float = 0.0, push: Push = Push.PLUS_Y) -> JointFailure:
@@ -96,7 +97,7 @@ def test_a_weak_cut_fails_before_the_locks_under_torque() -> None:
 )
 def test_what_the_law_is_not_made_for_is_refused(others: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        failure(Joint(**({"locks": 3} | others)))
+        failure(sawn(**({"locks": 3} | others)))
 
 
 # --- effects: against the joint with 1 % more or less, and by scaling ----------------------------
@@ -114,13 +115,13 @@ HEAVY = {"density": 4e4, "hold_down": HoldDown.weight(), "first": Side.LOWER}
 ROUGH_BOND = replace(INNER, bond_friction=0.4, shear_stiffness=6e9)
 OTHER = OwnLock(width=0.06, density=900.0)
 JOINTS = {
-    "as published": (Joint(3), Direction(0.3)),
-    "rough": (Joint(4, **ODD), Direction(0.2)),
-    "smooth, in one piece": (Joint(7, **ODD | {"dry": SMOOTH} | IN_ONE_PIECE), Direction(1.65)),
-    "pressed": (Joint(5, **ODD, hold_down=HoldDown.pressure(4e4)), Direction(0.5)),
-    "heavy": (Joint(3, **ODD, **HEAVY), Direction(0.2)),
-    "rough bonds": (Joint(4, **ODD | {"inner": ROUGH_BOND}), Direction(0.3)),
-    "other locks": (Joint(3, **ODD, different={2: OTHER}), Direction(0.3)),
+    "as published": (sawn(3), Direction(0.3)),
+    "rough": (sawn(4, **ODD), Direction(0.2)),
+    "smooth, in one piece": (sawn(7, **ODD | {"dry": SMOOTH} | IN_ONE_PIECE), Direction(1.65)),
+    "pressed": (sawn(5, **ODD, hold_down=HoldDown.pressure(4e4)), Direction(0.5)),
+    "heavy": (sawn(3, **ODD, **HEAVY), Direction(0.2)),
+    "rough bonds": (sawn(4, **ODD | {"inner": ROUGH_BOND}), Direction(0.3)),
+    "other locks": (sawn(3, **ODD, different={2: OTHER}), Direction(0.3)),
 }
 
 
@@ -137,7 +138,7 @@ def effect_of(found: Sensitivity, name: str) -> Effect:
 # --- what the columns say ------------------------------------------------------------------------
 MESH = 0.0131  # m: no size of the joints below changes its number of cells by 1 %
 TORSION = Direction(math.inf)
-ONE_PIECE = Joint(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.pressure(2e4))
+ONE_PIECE = sawn(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.pressure(2e4))
 
 
 def carried(joint: Joint, direction: Direction, increment: float | None = None) -> float:
@@ -149,7 +150,7 @@ def carried(joint: Joint, direction: Direction, increment: float | None = None) 
 
 @pytest.mark.parametrize("name", ["a", "b", "h", "cohesion", "friction"])
 @pytest.mark.parametrize("direction", [Direction(0.3), TORSION], ids=["eccentric", "torsion"])
-@pytest.mark.parametrize("joint", [Joint(5), ONE_PIECE], ids=["columns", "one piece"])
+@pytest.mark.parametrize("joint", [sawn(5), ONE_PIECE], ids=["columns", "one piece"])
 def test_effects_are_those_of_1_per_cent(joint: Joint, direction: Direction, name: str) -> None:
     effect = effect_of(sensitivity(joint, Loading(direction), MESH), name)
     base = carried(joint, direction)
@@ -162,10 +163,10 @@ def test_effects_are_those_of_1_per_cent(joint: Joint, direction: Direction, nam
 @pytest.mark.parametrize(
     ("joint", "name"),
     [
-        (Joint(3, hold_down=HoldDown.force(2000.0)), "H"),
-        (Joint(3, hold_down=HoldDown.force(2000.0)), "shear_stiffness"),
-        (Joint(2, hold_down=HoldDown.pressure(5e4)), "cohesion"),
-        (Joint(2, hold_down=HoldDown.pressure(5e4)), "friction"),
+        (sawn(3, hold_down=HoldDown.force(2000.0)), "H"),
+        (sawn(3, hold_down=HoldDown.force(2000.0)), "shear_stiffness"),
+        (sawn(2, hold_down=HoldDown.pressure(5e4)), "cohesion"),
+        (sawn(2, hold_down=HoldDown.pressure(5e4)), "friction"),
     ],
 )
 def test_where_contacts_slide_effects_do_not_depend_on_the_increments(
@@ -192,7 +193,7 @@ def test_where_another_node_fails_first_within_1_per_cent_there_is_no_derivative
 
 
 def test_in_torsion_effects_are_of_the_torque() -> None:
-    joint = Joint(5)
+    joint = sawn(5)
     found = sensitivity(joint, Loading(TORSION), MESH)
     assert (found.unit, found.shear) == ("N m", 0.0)
     assert found.amount == found.torque == pytest.approx(carried(joint, TORSION))
@@ -226,7 +227,7 @@ def test_stiffnesses_that_all_rise_change_nothing_and_strengths_and_loads_scale(
 # --- values of 0, and what is refused ------------------------------------------------------------
 @pytest.mark.parametrize("name", ["bond_friction", "friction"])
 def test_at_a_value_of_0_the_derivative_is_that_of_more(name: str) -> None:
-    joint, loading = Joint(5, dry=SMOOTH), Loading(Direction(0.3))
+    joint, loading = sawn(5, dry=SMOOTH), Loading(Direction(0.3))
     effect = effect_of(sensitivity(joint, loading, MESH), name)
     assert (effect.more, effect.less, effect.note) == (None, None, "for more")
     part = "inner" if name == "bond_friction" else "dry"
@@ -238,9 +239,9 @@ def test_at_a_value_of_0_the_derivative_is_that_of_more(name: str) -> None:
 @pytest.mark.parametrize(
     ("joint", "words"),
     [
-        (Joint(1, hold_down=HoldDown.weight()), "slide or rock before a bond fails"),
-        (Joint(3, elastic=Elastic(1e10)), "rigid pieces only"),
-        (Joint(3, inner=WEAK), "before the load is raised"),
+        (sawn(1, hold_down=HoldDown.weight()), "slide or rock before a bond fails"),
+        (sawn(3, elastic=Elastic(1e10)), "rigid pieces only"),
+        (sawn(3, inner=WEAK), "before the load is raised"),
     ],
 )
 def test_what_has_no_first_failure_of_a_bond_is_refused(joint: Joint, words: str) -> None:

@@ -10,7 +10,7 @@ import pytest
 from conftest import DISTINCT, block_on_ground, load_on_block, run_guided
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 
 from sidmacib import Side, UpperBody
 from sidmacib.engines import Numerics
@@ -46,7 +46,7 @@ from studies.attack.search import (
 )
 
 # Joint 9783 of a sampling of 13,312 joints: rough locks, soft roots, stiff dry faces.
-ROUGH = Joint(
+ROUGH = sawn(
     16,
     a=0.066531,
     h=0.0294074,
@@ -56,7 +56,7 @@ ROUGH = Joint(
     upper_body=UpperBody.MONOLITHIC,
 )
 # Its weight opens and closes nodes in turn.
-SOUND = Joint(
+SOUND = sawn(
     12,
     a=0.31102,
     b=0.37215,
@@ -118,7 +118,7 @@ def test_a_sound_joint_stands_under_its_own_weight() -> None:
 
 
 def test_a_joint_without_weight_carries_what_one_of_next_to_none_does() -> None:
-    joint = Joint(3, density=0.0, hold_down=HoldDown.weight())
+    joint = sawn(3, density=0.0, hold_down=HoldDown.weight())
     found, light = (
         first_failure(*loaded(each, math.inf, 0.02, NodeLayout.VERTICES))
         for each in (joint, replace(joint, density=1e-6))
@@ -146,7 +146,7 @@ def test_where_a_block_slides_off_the_search_ends_soon(
     assert 0 < len(counted) <= 1 + 2 * friction_rounds.IN_A_ROW
 
 
-BY_WEIGHT = Joint(
+BY_WEIGHT = sawn(
     *(4, 0.03664, 0.05, 0.0115, 0.015),
     density=307728,
     inner=FaceMaterial(1e10, 3e10, 0, 8e4, 2.2219e5),
@@ -154,7 +154,7 @@ BY_WEIGHT = Joint(
     first=Side.LOWER,
     hold_down=HoldDown.weight(),
 )
-BY_FORCE = Joint(
+BY_FORCE = sawn(
     *(8, 0.0709, 0.05, 0.00722, 0.0205),
     density=210,
     inner=FaceMaterial(1e10, 3e10, 0, 8e4, 2.37e5),
@@ -205,7 +205,7 @@ def test_safe_loads_are_below_first_failures_on_plateaus(joint: Joint, eccentric
 def test_a_joint_that_rocks_first_has_the_load_at_which_it_does_and_no_scatter() -> None:
     """Two strong, smooth locks held down by their weight: strengths do not decide."""
     inner, dry = FaceMaterial(1e10, 1e10, 0, 1e7, 1e8), FaceMaterial(1e10, 1e10, 0, 0, 0)
-    joint = Joint(2, H=0.1, density=200, inner=inner, dry=dry, hold_down=HoldDown.weight())
+    joint = sawn(2, H=0.1, density=200, inner=inner, dry=dry, hold_down=HoldDown.weight())
     direction = Direction(0.0)
     found = law(joint, direction)
     assert found.mode is Mode.ROCKING
@@ -218,7 +218,7 @@ def test_a_joint_that_rocks_first_has_the_load_at_which_it_does_and_no_scatter()
 
 def test_a_path_of_two_increments_does_not_agree_with_itself_by_chance() -> None:
     """A search found it: 168.5 N on the coarsest two paths, 160.2 N on fine ones."""
-    joint = Joint(
+    joint = sawn(
         2,
         a=0.242729,
         b=0.05,
@@ -242,7 +242,7 @@ def problem(ratio: float, e_over_a: float, locks: int = 9) -> Problem:
     """A joint whose dry faces are ``ratio`` times as stiff as the inner ones."""
     inner = FaceMaterial(SOFT, SOFT, 0.0, 8e4, 3.7e5)
     dry = FaceMaterial(ratio * SOFT, ratio * SOFT, 0.3, 0.0, 0.0)
-    return posed(Joint(locks, inner=inner, dry=dry), Loading(Direction(e_over_a)), 0.025)
+    return posed(sawn(locks, inner=inner, dry=dry), Loading(Direction(e_over_a)), 0.025)
 
 
 @pytest.mark.parametrize("ratio", [1e5, 1e8])
@@ -275,7 +275,7 @@ def test_the_reference_displacement_does_not_shrink_with_stiff_dry_faces(ratio: 
 @pytest.mark.parametrize("e_over_a", [0.0, math.inf])
 def test_stiff_dry_faces_are_no_collapse(name: str, e_over_a: float, tmp_path: Path) -> None:
     dry = FaceMaterial(1e12, 1e12, 0.3, 0.0, 0.0)
-    given = posed(Joint(3, dry=dry), Loading(Direction(e_over_a)), 0.02, NodeLayout.VERTICES)
+    given = posed(sawn(3, dry=dry), Loading(Direction(e_over_a)), 0.02, NodeLayout.VERTICES)
     run_guided(name, given, Numerics(), tmp_path, 300.0)
     found = read_outcome(tmp_path, given.assembly)
     assert found.path[-1].load == pytest.approx(static_peak(*given).peak.load, rel=0.01)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 
 from sidmacib import OPTIONS, Sidmacib, capacity, law, limit_load, safe
 from sidmacib.answers.joint import joint_answer
@@ -24,7 +24,7 @@ def test_what_is_given_acts_evenly_on_the_top(
     amount: float, width: float, body: UpperBody, is_pressure: bool
 ) -> None:
     different = {2: OwnLock(width=width)}
-    joint = Joint(3, different=different, upper_body=body, hold_down=HoldDown.weight())
+    joint = sawn(3, different=different, upper_body=body, hold_down=HoldDown.weight())
     given = HoldDown.pressure(amount) if is_pressure else HoldDown.force(amount)
     (model, weight_only), (_, loads) = (
         loaded(replace(joint, hold_down=hold), 0.0, 0.009) for hold in (joint.hold_down, given)
@@ -44,7 +44,7 @@ def test_what_is_given_acts_evenly_on_the_top(
 @settings(max_examples=10)
 @given(st.floats(0.1, 0.6), st.floats(0.0, 300.0), st.sampled_from(Side))
 def test_one_lock_slides_by_what_presses_it(friction: float, force: float, first: Side) -> None:
-    joint = Joint(1, first=first, dry=replace(DRY, friction=friction))
+    joint = sawn(1, first=first, dry=replace(DRY, friction=friction))
     joint = replace(joint, hold_down=HoldDown.force(force))
     height = joint.H + (joint.h if first is Side.UPPER else 0.0)
     weight = joint.density * 9.81 * joint.a * joint.b * height
@@ -62,7 +62,7 @@ def test_one_lock_slides_by_what_presses_it(friction: float, force: float, first
 @given(st.floats(0.06, 1.0), st.floats(0.0, 5e3), st.sampled_from([0.01, 0.02]))
 def test_a_tall_joint_tips_about_its_outermost_nodes(H: float, force: float, mesh: float) -> None:
     tough = replace(INNER, tensile_strength=1e9, cohesion=1e9)
-    joint = Joint(1, H=H, density=1e5, inner=tough, dry=replace(DRY, friction=3.0))
+    joint = sawn(1, H=H, density=1e5, inner=tough, dry=replace(DRY, friction=3.0))
     joint = replace(joint, hold_down=HoldDown.force(force))
     weight = joint.density * 9.81 * joint.a * joint.b * (joint.h + H)
     half = joint.b / 2 - joint.b / math.ceil(joint.b / mesh - 1e-9) / 2
@@ -87,7 +87,7 @@ def test_smooth_locks_without_a_plate_grip_each_other_over_their_height(
     """Carried: by an independent convex programme. One cell over the height: up to 29 % more."""
     stiff = {"normal_stiffness": 1e12, "shear_stiffness": 1e12}
     inner, dry = replace(INNER, **stiff), replace(DRY, friction=friction, **stiff)
-    joint = Joint(locks, inner=inner, dry=dry, upper_body=body, hold_down=hold_down)
+    joint = sawn(locks, inner=inner, dry=dry, upper_body=body, hold_down=hold_down)
     loading = Loading(Direction(0.0))
     assert joint_answer(joint, loading).solution.first_failure_load == pytest.approx(
         carried, rel=0.01
@@ -99,7 +99,7 @@ def test_smooth_locks_without_a_plate_grip_each_other_over_their_height(
 def test_locks_that_would_come_apart_carry_no_more() -> None:
     """On softer faces four smooth locks turn out of each other: 48 N in LIGGGHTS, not 194 N."""
     dry = replace(DRY, friction=0.0)
-    joint = Joint(4, upper_body=UpperBody.MONOLITHIC, dry=dry, hold_down=HoldDown.weight())
+    joint = sawn(4, upper_body=UpperBody.MONOLITHIC, dry=dry, hold_down=HoldDown.weight())
     loading = Loading(Direction(0.0))
     found = joint_answer(joint, loading)
     assert "locks come apart" in found.why
@@ -110,7 +110,7 @@ def test_locks_that_would_come_apart_carry_no_more() -> None:
 
 @pytest.mark.parametrize("hold_down", [HoldDown(), HoldDown.force(500.0)])
 def test_what_holds_the_joint_down_lets_the_locks_fail_instead(hold_down: HoldDown) -> None:
-    joint = Joint(3, dry=replace(DRY, friction=0.0), hold_down=hold_down)
+    joint = sawn(3, dry=replace(DRY, friction=0.0), hold_down=hold_down)
     found = static_peak(*loaded(joint, 0.0, 0.02))
     assert found.mode is Mode.BONDS
     assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
@@ -131,7 +131,7 @@ def test_sidmacib_takes_the_given_force_for_its_overload(joint: Joint) -> None:
 @pytest.mark.parametrize("force", [0.0, 40.0])
 def test_sidmacib_rocks_about_the_last_locks_centreline(locks: int, force: float) -> None:
     """The weight acts at the upper block's centroid, what is given in the middle of the top."""
-    joint = Joint(locks, hold_down=HoldDown.force(force))
+    joint = sawn(locks, hold_down=HoldDown.force(force))
     area = joint.a * joint.b
     body = (joint.H * locks, joint.h + joint.H / 2, locks / 2)
     upper = [(joint.h, joint.h / 2, lock - 0.5) for lock in joint.upper_locks]

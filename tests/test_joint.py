@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 
 from sidmacib import OPTIONS, Sidmacib, capacity, limit_load
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side, UpperBody
@@ -19,7 +19,7 @@ from sidmacib.mechanics.static import StaticSolution, static_peak
 
 
 def test_locks_belong_to_the_blocks_in_turn_from_the_first_on() -> None:
-    joint, other = Joint(locks=5), Joint(locks=5, first=Side.LOWER)
+    joint, other = sawn(locks=5), sawn(locks=5, first=Side.LOWER)
     assert joint.upper_locks == other.lower_locks == (1, 3, 5)
     assert joint.lower_locks == other.upper_locks == (2, 4)
 
@@ -130,7 +130,7 @@ loadings = st.builds(
 
 @given(loadings, st.integers(2, 6))
 def test_loads_on_the_pieces_add_up_to_shear_and_torque(loading: Loading, locks: int) -> None:
-    joint = Joint(locks)
+    joint = sawn(locks)
     loads = lateral_load(joint, assemble(joint, 0.03, NodeLayout.CENTRES), loading)
     sign = 1 if loading.push is Push.PLUS_Y else -1
     direction = loading.direction
@@ -141,7 +141,7 @@ def test_loads_on_the_pieces_add_up_to_shear_and_torque(loading: Loading, locks:
 
 @given(loadings, st.integers(2, 6))
 def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, locks: int) -> None:
-    joint = Joint(locks)
+    joint = sawn(locks)
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     permanent = lateral_load(joint, model, loading).permanent
     volume = [math.prod(np.subtract(piece.high, piece.low)) for piece in model.pieces]
@@ -160,7 +160,7 @@ def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, l
     ],
 )
 def test_the_load_is_shared_by_height(locks: int, loading: Loading, names: list[str]) -> None:
-    joint = Joint(locks)
+    joint = sawn(locks)
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     force = lateral_load(joint, model, loading).variable[:, 1]
     heights = [joint.h if name.startswith("lock") else joint.H for name in names]
@@ -186,7 +186,7 @@ own_locks = st.builds(
     ),
 )
 different_joints = st.builds(
-    Joint,
+    sawn,
     st.just(4),
     first=st.sampled_from(Side),
     different=st.dictionaries(st.integers(1, 4), own_locks),
@@ -200,8 +200,8 @@ def solved(joint: Joint, loading: Loading, mesh: float = 0.02) -> StaticSolution
 
 # --- what a joint knows of its locks -------------------------------------------------------------
 def test_locks_of_their_own_are_the_same_in_any_order_and_hashable() -> None:
-    one = Joint(3, different={1: OwnLock(width=0.04), 3: OwnLock(width=0.06)})
-    other = Joint(3, different={3: OwnLock(width=0.06), 1: OwnLock(width=0.04)})
+    one = sawn(3, different={1: OwnLock(width=0.04), 3: OwnLock(width=0.06)})
+    other = sawn(3, different={3: OwnLock(width=0.06), 1: OwnLock(width=0.04)})
     assert one == other
     assert len({one, other, replace(one, h=0.01)}) == 2
     assert replace(one, h=0.01).different == one.different
@@ -239,7 +239,7 @@ def test_every_locks_face_has_its_own_strength(joint: Joint) -> None:
 @pytest.mark.parametrize("mesh", [0.04, 0.05])
 def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
     with pytest.raises(ValueError, match=r"mesh: must be more than 0 and less than 0.04 m"):
-        assemble(Joint(3, different={2: OwnLock(width=0.04)}), mesh, NodeLayout.CENTRES)
+        assemble(sawn(3, different={2: OwnLock(width=0.04)}), mesh, NodeLayout.CENTRES)
 
 
 # --- the first lock ------------------------------------------------------------------------------
@@ -247,7 +247,7 @@ def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
 @pytest.mark.parametrize("first", Side)
 @pytest.mark.parametrize("push", Push)
 def test_as_many_locks_count_as_pairs_bear(locks: int, first: Side, push: Push) -> None:
-    joint = Joint(locks, first=first)
+    joint = sawn(locks, first=first)
     found = limit_load(*loaded(joint, push=push)).load
     order = joint.numbers if push is Push.PLUS_Y else joint.numbers[::-1]
     upper = [joint.is_upper(lock) for lock in order]
@@ -271,7 +271,7 @@ def test_a_mirrored_joint_is_as_strong(joint: Joint, eccentricity: float, share:
 @pytest.mark.parametrize("factor", [0.25, 0.5, 2.0])
 def test_the_weaker_lock_of_a_pair_decides(factor: float) -> None:
     weak = OwnLock(inner=replace(INNER, cohesion=factor * INNER.cohesion))
-    joint = Joint(2, dry=replace(DRY, friction=0.0), different={2: weak})
+    joint = sawn(2, dry=replace(DRY, friction=0.0), different={2: weak})
     expected = min(factor, 1.0) * joint.T0
     problem = posed(joint, Loading(Direction(0.0), LoadShare.BODY), 0.02, NodeLayout.CENTRES)
     assert limit_load(*problem).load == pytest.approx(expected, rel=1e-6)
@@ -280,7 +280,7 @@ def test_the_weaker_lock_of_a_pair_decides(factor: float) -> None:
 
 def test_weights_are_over_a_locks_own_strength() -> None:
     weak = OwnLock(inner=replace(INNER, cohesion=INNER.cohesion / 2))
-    joint = Joint(3, dry=replace(DRY, friction=0.0), different={2: weak})
+    joint = sawn(3, dry=replace(DRY, friction=0.0), different={2: weak})
     problem = loaded(joint, mesh=0.02)
     _, lower, _ = lock_weights(joint, problem.assembly, static_peak(*problem).peak.force)
     assert lower.weight == pytest.approx(1.0, abs=1e-3)
@@ -300,4 +300,4 @@ def test_sidmacib_adds_up_the_locks_own_strengths(joint: Joint) -> None:
 
 def test_sidmacib_refuses_a_lock_that_no_other_bears_against() -> None:
     with pytest.raises(ValueError, match=r"^locks: 1 is not allowed with SiDMACIB, .* at least 2"):
-        Sidmacib(Joint(1), OPTIONS["option1"])
+        Sidmacib(sawn(1), OPTIONS["option1"])

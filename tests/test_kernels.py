@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from joints import loaded
+from joints import loaded, sawn
 from processes import ROOT, python
 from test_complementary_energy import least_energy_forces
 
-from sidmacib import OPTIONS, Direction, Joint, Sidmacib, capacities, envelope, limit_load
+from sidmacib import OPTIONS, Direction, Sidmacib, capacities, envelope, limit_load
 from sidmacib.mechanics.static import static_peak
 
 pytestmark = pytest.mark.study
@@ -40,7 +40,7 @@ def kernel() -> str:
 
 def numbers(locks: int) -> dict[str, list[float]]:
     """Loads (N) and forces (N) of a joint, by model."""
-    joint = Joint(locks)
+    joint = sawn(locks)
     found: dict[str, list[float]] = {}
     for direction in DIRECTIONS:
         (model, loads), name = loaded(joint, direction.eccentricity), f"{direction.eccentricity:g}"

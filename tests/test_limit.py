@@ -8,7 +8,7 @@ import pytest
 from conftest import block_on_ground, load_on_block, renumbered, scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints import loaded
+from joints import loaded, sawn
 
 from sidmacib import UnboundedError
 from sidmacib.joint import HoldDown, Joint, UpperBody
@@ -21,7 +21,7 @@ from sidmacib.mechanics.limit import LimitState, limit_load
 
 @pytest.mark.parametrize("e_over_a", [0.0, -5.0, math.inf])
 def test_one_lock_carries_nothing_and_not_minus_nothing(e_over_a: float) -> None:
-    found = limit_load(*loaded(Joint(1, hold_down=HoldDown.weight()), e_over_a)).load
+    found = limit_load(*loaded(sawn(1, hold_down=HoldDown.weight()), e_over_a)).load
     assert (found, math.copysign(1.0, found)) == (0.0, 1.0)
 
 
@@ -62,7 +62,7 @@ def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -
 def test_the_limit_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitude(
     length: float, stress: float, eccentricity: float, locks: int
 ) -> None:
-    joint, factor = Joint(locks), stress * length**2
+    joint, factor = sawn(locks), stress * length**2
     one, other = (
         limit_load(*loaded(each, eccentricity, 0.03 * size)).load
         for each, size in ((joint, 1.0), (scaled(joint, length, stress), length))
@@ -84,7 +84,7 @@ def masonry(count: int) -> list[tuple[Joint, float]]:
             "tensile_strength": cohesion * random.uniform(0.3, 5),
             "friction": random.uniform(0.0, 0.8),
         }
-        joint = with_parameters(Joint(3), given)
+        joint = with_parameters(sawn(3), given)
         found.append((joint, float(random.choice([0.0, 0.1, 0.5, math.inf]))))
     return found
 
@@ -147,7 +147,7 @@ def test_the_published_samples_need_no_rounding(joint: Joint) -> None:
 
 @pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
 def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(body: UpperBody) -> None:
-    joint = Joint(5, upper_body=body)
+    joint = sawn(5, upper_body=body)
     near = [loaded(joint, e_over_a, 0.02, NodeLayout.LOBATTO) for e_over_a in (0.49, 0.5, 0.51)]
     found = [limit_load(*problem).load for problem in near]
     assert found == sorted(found, reverse=True)
@@ -158,8 +158,8 @@ def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(body: UpperBody)
 @pytest.mark.parametrize("ratio", [0.5, math.inf])
 def test_an_even_number_of_locks_has_a_limit_load_and_forces(locks: int, ratio: float) -> None:
     """One lock is idle there, which leaves solvers fewer digits."""
-    model, loads = loaded(Joint(locks), ratio, 0.02, NodeLayout.LOBATTO)
+    model, loads = loaded(sawn(locks), ratio, 0.02, NodeLayout.LOBATTO)
     found = limit_load(model, loads)
-    more = limit_load(*loaded(Joint(locks + 1), ratio, 0.02, NodeLayout.LOBATTO)).load
+    more = limit_load(*loaded(sawn(locks + 1), ratio, 0.02, NodeLayout.LOBATTO)).load
     assert 0.0 < found.load <= more * (1 + 1e-6)
     assert np.abs(imbalance(model, loads, found)).max() < 1e-6 * loads.scale

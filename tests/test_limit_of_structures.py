@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from command_runner import answers
+from joints import sawn
 from structures import BLOCK, GROUND, dry, read_structure
 
-from sidmacib import CapacityError, Direction, InfeasibleError, Joint, static_peak, vertex_effects
+from sidmacib import CapacityError, Direction, InfeasibleError, static_peak, vertex_effects
 from sidmacib.errors import SolverError
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics import sliding
@@ -172,7 +173,7 @@ def test_strengths_of_a_bonded_arch_agree_with_differences(name: str) -> None:
 
 
 def test_a_change_of_the_mesh_is_refused() -> None:
-    joint, loading = Joint(2), Loading(Direction(0.3))
+    joint, loading = sawn(2), Loading(Direction(0.3))
     problem, finer = posed(joint, loading, 0.025), posed(joint, loading, 0.0125)
     with pytest.raises(ValueError, match="finer: must keep pieces"):
         limit_derivatives(*problem, {"finer": Change(problem, finer, 1.0)})

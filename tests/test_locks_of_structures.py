@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from joints import sawn
 from structures import dry
 
 from sidmacib import OPTIONS, InfeasibleError, Sidmacib, capacity, limit_load, static_peak
@@ -50,7 +51,7 @@ def pressed(
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5])
 def test_the_joint_as_two_blocks_has_the_numbers_of_the_joint(eccentricity: float) -> None:
-    joint = Joint(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
+    joint = sawn(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
     problem = posed(joint, Loading(Direction(eccentricity)), 0.02, least=1)
     cells = {"mesh": 0.02, "nodes": NodeLayout.LOBATTO}
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint)}, **cells)
@@ -75,7 +76,7 @@ def test_the_joint_as_two_blocks_has_the_numbers_of_the_joint(eccentricity: floa
 @pytest.mark.parametrize("option", ["option1", "option4"])
 @pytest.mark.parametrize("working", [ALL, 2.0])
 def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float) -> None:
-    joint = Joint(5, density=1e-6, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
+    joint = sawn(5, density=1e-6, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
     condensed = Condensed(working, OPTIONS[option])
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, condensed)})
     strength = None if working == ALL else (working / joint.locks,) * joint.locks
@@ -89,7 +90,7 @@ def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float) -
 @pytest.mark.parametrize(("locks", "eccentricity"), [(4, 0.0), (5, -math.tan(math.pi / 6))])
 @pytest.mark.parametrize("push", [Push.PLUS_Y, Push.MINUS_Y])
 def test_condensed_locks_obey_rules(rule: str, locks: int, eccentricity: float, push: Push) -> None:
-    joint = Joint(locks, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
+    joint = sawn(locks, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
     condensed = Condensed(rule=rule)
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, condensed)})
     joint = replace(joint, H=joint.H + joint.h / 2)  # the block reaches to the middle of the locks
@@ -103,7 +104,7 @@ def test_condensed_locks_obey_rules(rule: str, locks: int, eccentricity: float, 
 
 
 def test_a_rule_under_pressure_counts_only_where_the_interface_is_compressed_as_much() -> None:
-    joint = Joint(5, density=1e-6, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
+    joint = sawn(5, density=1e-6, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
     locks = locks_of(joint, Condensed(rule="law", hold_down=HoldDown.pressure(2e4)))
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks})
     arm = (joint.H - joint.h / 2) / 2  # in the plane of the interface

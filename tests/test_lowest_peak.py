@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import a_case
+from joints import sawn
 
 from analysis.summary.summary import spread_lines
 from sidmacib import lowest_peak, static_peak
@@ -24,7 +25,7 @@ from workflow.results.joint_part import JointRecord
 from workflow.solve import solved
 
 # Of 11 locks at e = a on a fine mesh: a long cascade.
-LONG = posed(Joint(11), Loading(Direction(1.0)), 0.0124875)
+LONG = posed(sawn(11), Loading(Direction(1.0)), 0.0124875)
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +61,7 @@ def test_the_lowest_peak_is_one_of_equilibria_that_obey_the_same_laws(far: Stati
 
 def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
     """Nine tall locks in one piece: another solver has 512.6 N, Newton's method alone 421 N."""
-    joint = Joint(
+    joint = sawn(
         *(9, 0.1119038, 0.05, 0.0291186, 0.0236134),
         inner=replace(INNER, shear_stiffness=1.40776e10),
         dry=FaceMaterial(1.539137e9, 1.539137e9, 0.256094, 0.0, 0.0),
@@ -72,7 +73,7 @@ def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
 
 
 # --- how long it is sought -----------------------------------------------------------------------
-@pytest.mark.parametrize("joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)])
+@pytest.mark.parametrize("joint", [sawn(5), sawn(5, failure=Failure.DUCTILE)])
 def test_no_lower_peak_is_sought_in_vain(joint: Joint, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "another_peak", None)
     assert lowest_peak(*posed(joint, Loading(Direction(0.0)), 0.02)).spread == 0.0
@@ -93,7 +94,7 @@ def sought(
         return replace(first, path=(*below, peak))
 
     monkeypatch.setattr(module, "another_peak", found)
-    lowest = lowest_peak(*posed(joint or Joint(5), Loading(Direction(0.5)), 0.04))
+    lowest = lowest_peak(*posed(joint or sawn(5), Loading(Direction(0.5)), 0.04))
     return lowest, starts
 
 
@@ -109,7 +110,7 @@ def test_the_search_ends_after_ten_starts_without_a_lower(monkeypatch: pytest.Mo
 
 def test_the_search_ends_after_so_many_searches(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sought([1.0], monkeypatch, cost=MOST // 3)[1] == 4
-    joint = Joint(3, elastic=Elastic(1e10, 0.2))
+    joint = sawn(3, elastic=Elastic(1e10, 0.2))
     whole, starts = sought([1.0], monkeypatch, 1000, joint)
     assert starts == 1
     monkeypatch.undo()
@@ -118,7 +119,7 @@ def test_the_search_ends_after_so_many_searches(monkeypatch: pytest.MonkeyPatch)
 
 # --- reported peaks ------------------------------------------------------------------------------
 def test_a_record_has_lowest_peak_spread_and_first_failure(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = a_case("static", Joint(5), Loading(Direction(0.5)), 0.02, NodeLayout.LOBATTO)
+    case = a_case("static", sawn(5), Loading(Direction(0.5)), 0.02, NodeLayout.LOBATTO)
     first = solved(case, solve)[0]
     assert first.load_N is not None and first.peak_spread == 0.0
     sought([0.97], monkeypatch)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import sawn
 
 from analysis.tables.collect import errors_of
 from sidmacib import Elastic, FaceMaterial, NodeLayout, static_peak
@@ -25,7 +26,7 @@ LIMIT = 100.0  # N, made-up capacity at an ever finer mesh
 
 
 def made_up(mesh: float, model: str = "static", load: float = LIMIT, **names: Any) -> JointRecord:
-    subject = JointSubject("n", Joint(3), mesh, NodeLayout.VERTICES, Loading(Direction(0.0)))
+    subject = JointSubject("n", sawn(3), mesh, NodeLayout.VERTICES, Loading(Direction(0.0)))
     known = {"name": f"n-mesh{mesh:g}", "variant": "reference", **names}
     case = Case(**known, model=model, subject=subject, numerics=None)
     return replace(record_without_result(case, error="made up"), error=None, load_N=load)
@@ -52,9 +53,9 @@ def test_one_mesh_or_close_ones_tell_nothing() -> None:
 
 
 def test_the_error_goes_by_the_cells_that_there_are_not_by_the_mesh_asked_for() -> None:
-    assert cells_of(Joint(3), 0.04) == 2.0  # both sides, 0.06 and 0.05 m
-    assert cells_of(Joint(3), 0.02) == 3.0  # not twice as many
-    assert cells_of(Joint(3, a=0.04, b=0.05), 0.0125) == pytest.approx(4.0)
+    assert cells_of(sawn(3), 0.04) == 2.0  # both sides, 0.06 and 0.05 m
+    assert cells_of(sawn(3), 0.02) == 3.0  # not twice as many
+    assert cells_of(sawn(3, a=0.04, b=0.05), 0.0125) == pytest.approx(4.0)
 
 
 def test_a_peak_counts_as_late_where_it_is_behind_the_first_failure_on_one_mesh() -> None:
@@ -65,13 +66,13 @@ def test_a_peak_counts_as_late_where_it_is_behind_the_first_failure_on_one_mesh(
 
 # --- the second mesh -----------------------------------------------------------------------------
 def test_the_second_mesh_is_the_finer_one_of_rigid_pieces() -> None:
-    assert second_mesh(Joint(3), [0.02, 0.018], NodeLayout.LOBATTO) == 0.009
-    assert second_mesh(Joint(3), [0.02, 0.01], NodeLayout.LOBATTO) is None
+    assert second_mesh(sawn(3), [0.02, 0.018], NodeLayout.LOBATTO) == 0.009
+    assert second_mesh(sawn(3), [0.02, 0.01], NodeLayout.LOBATTO) is None
 
 
 @pytest.mark.parametrize("nodes", NodeLayout)
 def test_the_second_mesh_is_coarser_where_the_finer_is_ten_times_as_dear(nodes: NodeLayout) -> None:
-    bends = Joint(5, elastic=Elastic(1e10))
+    bends = sawn(5, elastic=Elastic(1e10))
     assert second_mesh(bends, [0.01], nodes) == 0.02
     assert second_mesh(replace(bends, elastic=None), [0.01], nodes) == 0.005
 
@@ -109,7 +110,7 @@ def random_joint(rng: np.random.Generator) -> tuple[Joint, Direction]:
         return float(np.exp(rng.uniform(np.log(least), np.log(most))))
 
     dry = 1e10 * ratio(0.2, 5.0)
-    joint = Joint(
+    joint = sawn(
         int(rng.integers(3, 8)),
         a=0.05 * ratio(0.6, 2.5),
         h=0.05 * ratio(0.08, 0.6),

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from conftest import ROOT
-from joints import loaded
+from joints import loaded, sawn
 from structures import CUBE, PUSH
 
 from sidmacib.engines import ENGINES, Numerics
@@ -76,7 +76,7 @@ def solved(name: str, joint: Joint) -> Outcome:
 
 @pytest.mark.parametrize("name", SOLVED)
 def test_a_solved_model_returns_what_its_abilities_promise(name: str) -> None:
-    model, outcome = MODELS[name], solved(name, Joint(3))
+    model, outcome = MODELS[name], solved(name, sawn(3))
     peak = outcome.path[-1]
     assert 0.0 < peak.load <= outcome.failed_load
     assert peak.force is not None
@@ -84,7 +84,7 @@ def test_a_solved_model_returns_what_its_abilities_promise(name: str) -> None:
     assert (peak.displacement is not None) == (name == "static")
     assert (outcome.first_failure_load is not None) == (Ability.FIRST_FAILURE in model.abilities)
     assert (len(outcome.path) > 1) == (Ability.PROGRESSIVE in model.abilities)
-    smooth = solved(name, Joint(3, dry=replace(Joint(3).dry, friction=0.0))).path[-1].load
+    smooth = solved(name, sawn(3, dry=replace(sawn(3).dry, friction=0.0))).path[-1].load
     assert (smooth == pytest.approx(peak.load, rel=1e-6)) is (
         Ability.FRICTION not in model.abilities
     )
@@ -101,7 +101,7 @@ STRUCTURES = {"static": structure_static.solve, "limit": structure_limit.solve}
 def test_the_failed_load_of_a_joint_is_just_above_the_largest_that_is_carried(
     model: Any, ratio: float
 ) -> None:
-    outcome = model.solve(posed(Joint(3), Loading(Direction(ratio)), 0.05))
+    outcome = model.solve(posed(sawn(3), Loading(Direction(ratio)), 0.05))
     above = outcome.failed_load / outcome.path[-1].load - 1.0
     assert 0.0 <= above <= (1.1e-5 if model is static else 0.0)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import sawn
 from small import SMALL
 
 from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
@@ -22,7 +23,7 @@ from workflow.consistency import notes
 NO_NUMBERS = [math.nan, math.inf, -math.inf, "1", None, True]
 
 
-BENDS = Joint(3, elastic=Elastic(1e10))
+BENDS = sawn(3, elastic=Elastic(1e10))
 LENGTH, STIFFNESS, STRENGTH = "greater than 0 (m)", "greater than 0 (Pa/m)", "at least 0 (Pa)"
 # The largest or smallest values of each parameter that are allowed, those that are not, and why.
 RANGES = [
@@ -92,7 +93,7 @@ def test_a_parameter_is_set_where_it_is_read_and_nothing_else_changes(name: str)
 )
 def test_anything_else_of_a_joint_is_of_its_kind(name: str, value: object, allowed: str) -> None:
     with pytest.raises(ValueError, match=rf"^{name}: .* must be {allowed}$"):
-        Joint(3, **{name: value})
+        sawn(3, **{name: value})
 
 
 @pytest.mark.parametrize("value", [-0.1, *NO_NUMBERS])
@@ -122,13 +123,13 @@ def test_impossible_contact_points_are_refused(
 
 def test_whole_numbers_and_numpys_are_numbers() -> None:
     inner = replace(INNER, cohesion=80_000, tensile_strength=np.float32(4e5))
-    joint = Joint(np.int64(3), a=1, b=np.float64(0.5), density=0, inner=inner)
+    joint = sawn(np.int64(3), a=1, b=np.float64(0.5), density=0, inner=inner)
     model = Sidmacib(joint, OPTIONS["option1"], strength=(1, np.float64(0.5), 0), overload=1000)
     assert pytest.approx(40_000.0) == model.joint.T0
     assert Direction(1).shear == pytest.approx(0.5**0.5)
 
 
-PRESSED = with_parameters(Joint(5), {"young": 1e10, "hold_down": HoldDown.pressure(1e4)})
+PRESSED = with_parameters(sawn(5), {"young": 1e10, "hold_down": HoldDown.pressure(1e4)})
 # The law has been tested with all of these words, and a first failure comes before any fracture
 # energy is used up.
 ALL_COVERED = {"upper_body", "failure", "fracture_energy"}
@@ -173,7 +174,7 @@ def test_another_unit_is_doubted(name: str, value: float, words: str) -> None:
 
 
 def test_friction_of_inner_faces_is_doubted_by_its_place() -> None:
-    rough = Joint(5, inner=replace(INNER, friction=35.0))
+    rough = sawn(5, inner=replace(INNER, friction=35.0))
     words = "inner faces: friction: 35 is very large; is it an angle in degrees? tan(35°) = 0.7"
     assert list(unit_warnings(rough)) == [words]
 

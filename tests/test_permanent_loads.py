@@ -241,7 +241,9 @@ def test_a_bond_fails_where_the_weight_along_it_is_its_cohesion_and_friction_hol
 ) -> None:
     slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
     cohesion = math.sin(math.radians(fails)) * slab.weight / (0.4 * 0.6)
-    model = structure([GROUND, slab], FaceMaterial(1e10, 1e10, friction, cohesion, 1e6))
+    model = structure(
+        [GROUND, slab], FaceMaterial(1e10, 1e10, friction, cohesion, 1e6, bond_friction=0.0)
+    )
     found = static_tilt(model, tilting(model, Y))
     assert found.first_failure == pytest.approx(fails, abs=0.01)
     assert found.angle == pytest.approx(falls, abs=0.01)

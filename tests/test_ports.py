@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 from campaigns.faults import descendants
-from joints import loaded
+from joints import loaded, sawn
 
-from sidmacib import Elastic, Joint
+from sidmacib import Elastic
 from sidmacib.engines import ENGINES, Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.scripts.children import PRIVATE_NETWORK
@@ -69,7 +69,7 @@ def test_a_run_listens_nowhere(name: str, ranks: int, tmp_path: Path) -> None:
     if ranks > 1 and subprocess.run([*PRIVATE_NETWORK, "true"], check=False).returncode:
         pytest.skip("this system allows no private network")
     engine = ENGINES[name]
-    joint = Joint(2, elastic=Elastic(1e10) if engine.elastic else None)
+    joint = sawn(2, elastic=Elastic(1e10) if engine.elastic else None)
     write_script(engine, *loaded(joint), Numerics(ranks=ranks), "case", tmp_path)
     with (tmp_path / "log").open("w") as log:
         process = subprocess.Popen(

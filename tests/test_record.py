@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import a_case, with_subject
+from joints import sawn
 from small import merged
 
 from sidmacib import Assembly, Direction, Joint, Loading, lock_weights
@@ -35,7 +36,7 @@ from workflow.results import BENCHMARKS, Record, read_times, record_of, record_w
 from workflow.solve import solved
 from workflow.threedec import INCREMENT, deck, decks, fingerprint, read_returned
 
-JOINT = Joint(3)
+JOINT = sawn(3)
 
 
 def case_of(ratio: float = 0.0, joint: Joint = JOINT) -> JointCase:

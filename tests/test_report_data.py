@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT, a_case
-from small import SMALL
+from joints import sawn
+from small import ONE, SMALL
 
 from analysis.paths import path_of, shown_cases
 from analysis.report import headings, words
@@ -18,7 +19,7 @@ from analysis.report.joints import sample_words
 from analysis.report.page import ADDRESS, SCRIPTS_OF_PARTS
 from analysis.report.page import SCRIPTS as SCRIPTS_OF_ALL
 from analysis.vtk import write_path
-from sidmacib import Direction, Elastic, Joint, Loading, NodeLayout
+from sidmacib import Direction, Elastic, Loading, NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.scene.page import SCRIPTS
 from workflow.case import JointCase
@@ -60,7 +61,7 @@ def test_samples_are_told_by_what_tells_them_apart() -> None:
     plain = {"samples": {"n3": {"locks": 3}, "n5": {"locks": 5}}}
     assert sample_words(read_study(plain)) == {"n3": "n3: 3 locks", "n5": "n5: 5 locks"}
     smooth = {"locks": 5, "dry": {"friction": 0.1}}
-    found = sample_words(read_study({"samples": {"n5": {"locks": 5}, "smooth": smooth}}))
+    found = sample_words(read_study({**ONE, "samples": {"n5": {"locks": 5}, "smooth": smooth}}))
     assert found["smooth"] == "smooth: 5 locks, friction 0.1"
     assert found["n5"] == "n5: 5 locks, friction 0.3 as printed"
     long = {"samples": {"n5": {"locks": 5}, "long": {"locks": 5, "a": 0.08}}}
@@ -125,7 +126,7 @@ LOBATTO = NodeLayout.LOBATTO
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    case = a_case("static", Joint(3), Loading(Direction(0.3)), nodes=LOBATTO)
+    case = a_case("static", sawn(3), Loading(Direction(0.3)), nodes=LOBATTO)
     return write_path(case, tmp_path_factory.mktemp("vtk"))
 
 
@@ -147,13 +148,13 @@ def test_pieces_are_boxes_that_move(written: list[Path]) -> None:
 def test_stresses_on_locks_are_within_their_strength(written: list[Path]) -> None:
     load, mesh = steps(written[1])[-1]
     shear = mesh.point_data["shear_Pa"][mesh.point_data["inner"] == 1.0]
-    assert np.linalg.norm(shear, axis=1).max() <= Joint(3).inner.cohesion * (1 + 1e-6)
+    assert np.linalg.norm(shear, axis=1).max() <= sawn(3).inner.cohesion * (1 + 1e-6)
     assert load > 0.0
     assert set(np.unique(mesh.point_data["bonded"])) <= {0.0, 1.0}
 
 
 def test_pieces_that_bend_have_stresses_but_no_movement(tmp_path: Path) -> None:
-    joint = Joint(3, elastic=Elastic(1e10))
+    joint = sawn(3, elastic=Elastic(1e10))
     bends = a_case("static", joint, Loading(Direction(0.0)), nodes=LOBATTO)
     pieces, nodes = write_path(bends, tmp_path)
     assert (steps(pieces)[-1][1].point_data["displacement_m"] == 0.0).all()

@@ -219,7 +219,7 @@ def test_opposed_shear_of_nodes_uses_no_friction() -> None:
 
 
 def test_a_bonded_face_is_used_as_its_most_used_node() -> None:
-    glue = FaceMaterial(1e10, 1e10, 0.5, 5e4, 5e4)
+    glue = FaceMaterial(1e10, 1e10, 0.5, 5e4, 5e4, bond_friction=0.0)
     assembly = on_ground((0.4, 0.4, 0.8), glue)
     path = static_peak(assembly, acceleration(assembly, (1.0, 0.0, 0.0))).path
     first = next(point for point in path if point.state.bonded.all() and point.load > 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import sawn
 
 from sidmacib import CapacityError, Elastic, FaceMaterial, limit_load, lowest_peak
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, Side, UpperBody
@@ -26,21 +27,21 @@ SOFT = replace(INNER, shear_stiffness=1e9)
 @pytest.mark.parametrize("eccentricity", [0.0, 0.1, 1.0, math.inf])
 @pytest.mark.parametrize("locks", [3, 5, 8])
 def test_joints_fail_where_the_law_says(locks: int, eccentricity: float, body: UpperBody) -> None:
-    joint, direction = Joint(locks, upper_body=body), Direction(eccentricity)
+    joint, direction = sawn(locks, upper_body=body), Direction(eccentricity)
     static = static_peak(*posed(joint, Loading(direction), 0.02))
     assert safe(joint, direction).load < static.peak.load
     assert law(joint, direction).load == pytest.approx(static.first_failure_load, rel=0.05)
 
 
 def test_shear_and_torque_are_those_of_the_load() -> None:
-    joint = Joint(5)
+    joint = sawn(5)
     found = law(joint, Direction(0.5))
     assert found.torque == pytest.approx(0.5 * joint.a * found.shear)
     assert found.load == pytest.approx(math.hypot(found.shear, found.torque / joint.a))
 
 
 def test_the_safe_rule_is_the_law_with_a_margin() -> None:
-    joint = Joint(5, dry=replace(DRY, friction=0.0), density=0.0)
+    joint = sawn(5, dry=replace(DRY, friction=0.0), density=0.0)
     direction = Direction(0.3)
     expected = law(joint, direction).load / SAFETY
     assert 0.97 * expected < safe(joint, direction).load <= expected
@@ -69,7 +70,7 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
 )
 def test_what_is_beyond_the_study_is_refused(rule: Any, others: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        rule(Joint(**({"locks": 5} | others)), Direction(0.0))
+        rule(sawn(**({"locks": 5} | others)), Direction(0.0))
 
 
 @dataclass(frozen=True)
@@ -82,15 +83,15 @@ def test_a_number_that_nobody_taught_the_rule_is_refused(rule: Any) -> None:
     """It raised the safe load from 190 to 270 N."""
     without = Adhesive(**vars(DRY))
     with_it = Adhesive(**vars(DRY), adhesion=1e4)
-    assert rule(Joint(5, dry=without), Direction(0.3)) == rule(Joint(5), Direction(0.3))
+    assert rule(sawn(5, dry=without), Direction(0.3)) == rule(sawn(5), Direction(0.3))
     with pytest.raises(ValueError, match=r"^dry\.adhesion: 10000\.0 is not allowed"):
-        rule(Joint(5, dry=with_it), Direction(0.3))
+        rule(sawn(5, dry=with_it), Direction(0.3))
 
 
 def test_the_ends_of_the_spans_are_inside() -> None:
     inner = replace(INNER, normal_stiffness=1e13, shear_stiffness=1e13)
     soft = replace(DRY, normal_stiffness=5e9, shear_stiffness=5e10)
-    low = Joint(2, a=0.025, h=0.003, H=0.015, inner=inner, dry=soft)
+    low = sawn(2, a=0.025, h=0.003, H=0.015, inner=inner, dry=soft)
     assert law(low, Direction(0.0)).load > 0.0
 
 
@@ -98,7 +99,7 @@ def soft_joint(locks: int, body: UpperBody, cohesion: float, stiffness: float) -
     """A joint of strong bonds on faces that are all as stiff as that (Pa/m)."""
     both = {"normal_stiffness": stiffness, "shear_stiffness": stiffness}
     inner = replace(INNER, cohesion=cohesion, tensile_strength=4.6 * cohesion, **both)
-    return Joint(locks, upper_body=body, inner=inner, dry=replace(DRY, **both))
+    return sawn(locks, upper_body=body, inner=inner, dry=replace(DRY, **both))
 
 
 SOFT_JOINTS = [
@@ -137,15 +138,15 @@ def test_the_safe_load_is_below_the_first_failure_of_blocks_that_are_followed(
 @pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
 def test_a_joint_without_a_pair_that_bears_carries_nothing(rule: Any) -> None:
     with pytest.raises(CapacityError, match="no pair of 2 locks bears"):
-        rule(Joint(2), Direction(0.0), Push.MINUS_Y)
-    smooth = Joint(2, dry=replace(DRY, friction=0.0))
+        rule(sawn(2), Direction(0.0), Push.MINUS_Y)
+    smooth = sawn(2, dry=replace(DRY, friction=0.0))
     with pytest.raises(CapacityError, match="moves freely"):
         rule(smooth, Direction(math.inf))
 
 
 def test_the_safe_load_of_elastic_blocks_that_weight_decides_is_below_their_first_failure() -> None:
     """It was 96.78 N: one cell a lock has 3.4 % too much, and two meshes agree by chance."""
-    joint = Joint(
+    joint = sawn(
         *(2, 0.0488, 0.05, 0.00644, 0.0337),
         density=183030.0,
         inner=FaceMaterial(1.34e9, 2.54e8, 0.0, 8e4, 8.07e4),
@@ -159,7 +160,7 @@ def test_the_safe_load_of_elastic_blocks_that_weight_decides_is_below_their_firs
 def test_stronger_bonds_never_carry_less() -> None:
     """Two stone locks under 1 m of wall: 5104 N fell to 1457 N where the stone was stronger."""
     bond = FaceMaterial(3.89e11, 1.62e11, 0.0, 1e5, 1e5)
-    joint = Joint(
+    joint = sawn(
         *(2, 0.2958, 0.1678, 0.05848, 0.4224, 2500.0),
         dry=FaceMaterial(2.856e10, 1.19e10, 0.665, 0.0, 0.0),
         upper_body=UpperBody.MONOLITHIC,
@@ -180,7 +181,7 @@ def test_a_joint_that_nothing_but_pressure_holds_down_may_rock(eccentricity: flo
     """It fails where the static model says, far below one under a plate or well pressed."""
     direction = Direction(eccentricity)
     plate, light, heavy = (
-        Joint(3, H=0.08, hold_down=hold)
+        sawn(3, H=0.08, hold_down=hold)
         for hold in (HoldDown.plate(), HoldDown.pressure(2e4), HoldDown.pressure(2e5))
     )
     static = static_peak(*posed(light, Loading(direction), 0.02))
@@ -196,11 +197,11 @@ ROUGH = replace(DRY, friction=0.7)
 @pytest.mark.parametrize(
     ("joint", "eccentricities", "least"),
     [
-        (Joint(2), (0.6, 2.0, math.inf), 0.8),  # beyond its only face
-        (Joint(2, hold_down=HoldDown.pressure(2e5)), (0.6, 2.0, math.inf), 0.8),
-        (Joint(3, H=0.08, hold_down=HoldDown.pressure(5e3)), (0.0,), 0.85),  # hardly pressed
-        (Joint(5, dry=ROUGH), (0.0, 0.5, 3.9, math.inf), 0.85),
-        (Joint(5, dry=ROUGH, upper_body=UpperBody.MONOLITHIC), (0.0, 0.5, 3.9, math.inf), 0.85),
+        (sawn(2), (0.6, 2.0, math.inf), 0.8),  # beyond its only face
+        (sawn(2, hold_down=HoldDown.pressure(2e5)), (0.6, 2.0, math.inf), 0.8),
+        (sawn(3, H=0.08, hold_down=HoldDown.pressure(5e3)), (0.0,), 0.85),  # hardly pressed
+        (sawn(5, dry=ROUGH), (0.0, 0.5, 3.9, math.inf), 0.85),
+        (sawn(5, dry=ROUGH, upper_body=UpperBody.MONOLITHIC), (0.0, 0.5, 3.9, math.inf), 0.85),
     ],
 )
 def test_the_safe_load_is_a_little_below_the_first_failure(
@@ -224,17 +225,17 @@ def stone(kn: float, ks: float, cohesion: float, tension: float) -> FaceMaterial
     return FaceMaterial(kn, ks, 0.0, cohesion, tension)
 
 
-WEIGHT_COUNTS = Joint(
+WEIGHT_COUNTS = sawn(
     *(5, 0.090933, 0.17093, 0.023579, 0.4819),
     inner=stone(1e10, 3e10, 13.7e3, 63362.5),
     dry=FaceMaterial(2.433e11, 2.433e11, 0.4939, 0.0, 0.0),
 )
-HEAVY = Joint(
+HEAVY = sawn(
     *(7, 0.091676, 0.16457, 0.022383, 0.48459, 13070.0),
     inner=stone(1e10, 2.727e10, 8e4, 1.124e6),
     dry=FaceMaterial(2.002e11, 9.745e11, 0.4724, 0.0, 0.0),
 )
-PRESSED = Joint(
+PRESSED = sawn(
     *(9, 0.036345, 0.05, 0.0076148, 0.016506),
     inner=stone(1e10, 2.885e10, 8e4, 3.7e5),
     dry=FaceMaterial(4.999e9, 4.999e9, 0.2535, 0.0, 0.0),
@@ -270,7 +271,7 @@ def test_friction_has_history(joint: Joint, eccentricity: float, push: Push, fir
 )
 def test_blocks_that_bend_share_less(locks: int, young: float, dry: float, carried: float) -> None:
     """Locks that bend hand on less to those behind them: a spring a cut was up to 49 % too high."""
-    joint = Joint(
+    joint = sawn(
         *(locks, 0.1, 0.05, 0.0135, 0.0285),
         inner=stone(1e10, 3.5e9, 8e4, 3.7e5),
         dry=FaceMaterial(dry, dry, 0.0, 0.0, 0.0),
@@ -284,7 +285,7 @@ def test_blocks_that_bend_share_less(locks: int, young: float, dry: float, carri
 @pytest.mark.parametrize("locks", [9, 10])
 def test_the_law_does_not_jump(locks: int) -> None:
     """At e and friction a per cent apart it did by 5 to 8 %: friction without its history."""
-    joint, direction = Joint(locks), Direction(1.0)
+    joint, direction = sawn(locks), Direction(1.0)
     there = law(joint, direction).load
     rougher = replace(joint, dry=replace(DRY, friction=1.01 * DRY.friction))
     assert law(joint, Direction(1.01)).load == pytest.approx(there, rel=0.01)
@@ -292,18 +293,18 @@ def test_the_law_does_not_jump(locks: int) -> None:
 
 
 def test_many_locks_in_one_piece_under_torsion_have_a_safe_load() -> None:
-    joint, torsion = Joint(31, upper_body=UpperBody.MONOLITHIC), Direction(math.inf)
+    joint, torsion = sawn(31, upper_body=UpperBody.MONOLITHIC), Direction(math.inf)
     assert 0.0 < safe(joint, torsion).load < law(joint, torsion).load
 
 
 def test_two_locks_are_answered_alike_on_both_sides() -> None:
-    far = law(Joint(2), Direction(5.0), Push.PLUS_Y), law(Joint(2), Direction(-5.0), Push.PLUS_Y)
+    far = law(sawn(2), Direction(5.0), Push.PLUS_Y), law(sawn(2), Direction(-5.0), Push.PLUS_Y)
     assert far[0].load == pytest.approx(far[1].load, rel=0.2)
 
 
 def test_rough_columns_with_stiff_dry_faces_are_safe_on_meshes_that_differ() -> None:
     """First failures of 337, 343, 305 and 312 N on 2, 4, 6 and 8 cells a lock."""
-    joint = Joint(
+    joint = sawn(
         *(13, 0.0458945, 0.05, 0.01034363, 0.06445815, 1315.998),
         inner=stone(1e10, 1.256947e9, 8e4, 3.584972e6),
         dry=FaceMaterial(1.565336e11, 3.136978e10, 0.74914, 0.0, 0.0),
@@ -316,7 +317,7 @@ def test_rough_columns_with_stiff_dry_faces_are_safe_on_meshes_that_differ() -> 
 
 def test_the_safe_rule_of_thin_blocks_that_bend_covers_their_mesh() -> None:
     """The attack's worst joint under pressure: 15.4 N on two cells a lock, 15.0 N on three."""
-    joint = Joint(
+    joint = sawn(
         *(3, 0.037782, 0.05, 0.019265, 0.016448, 0.0),
         inner=stone(1e10, 5.645e9, 8e4, 2.4945e5),
         dry=FaceMaterial(3.1794e9, 6.963e8, 0.0, 0.0, 0.0),
@@ -360,15 +361,15 @@ def test_one_rigid_piece_has_as_many_working_locks_as_pairs() -> None:
 
 def test_the_published_samples_have_the_working_locks_of_the_chain() -> None:
     """1.66 of two for five locks; the paper has W_sum rounded down, 2."""
-    assert pairs_of(Joint(3)).working == 1.0
-    assert pairs_of(Joint(5)).working == pytest.approx(1.658, abs=1e-3)
-    assert pairs_of(Joint(15)).working == pytest.approx(2.014, abs=1e-3)
-    assert pairs_of(Joint(15, upper_body=UpperBody.MONOLITHIC)).lag == 0.0
+    assert pairs_of(sawn(3)).working == 1.0
+    assert pairs_of(sawn(5)).working == pytest.approx(1.658, abs=1e-3)
+    assert pairs_of(sawn(15)).working == pytest.approx(2.014, abs=1e-3)
+    assert pairs_of(sawn(15, upper_body=UpperBody.MONOLITHIC)).lag == 0.0
 
 
 @pytest.mark.parametrize(("locks", "there", "back"), [(2, 1, 0), (3, 1, 1), (6, 3, 2), (9, 4, 4)])
 def test_an_even_joint_has_one_pair_less_pushed_back(locks: int, there: int, back: int) -> None:
-    joint = Joint(locks)
+    joint = sawn(locks)
     assert [bearing_pairs(joint, push) for push in Push] == [there, back]
     assert pairs_of(joint, Push.MINUS_Y).working <= back
 
@@ -382,7 +383,7 @@ def test_what_is_no_row_is_refused(values: tuple[float, float, float]) -> None:
 def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> None:
     # Found by `make attack`: it rocks at 1.71 to 1.99 N, by the mesh and the increments, and at
     # 1.685 N without friction.
-    joint = Joint(
+    joint = sawn(
         *(2, 0.0312447, 0.05, 0.00711641, 0.0155195, 199.281),
         inner=stone(1e15, 2.2187e13, 8e4, 1.22258e5),  # so stiff that locks hardly come apart
         dry=FaceMaterial(6.26927e11, 6.26927e12, 0.0127907, 0.0, 0.0),

@@ -82,7 +82,7 @@ def test_a_joint_that_the_law_refuses_has_the_reason(change: dict[str, Any], rea
 
 def test_a_case_of_a_rule_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     config = tmp_path / "study.yaml"
-    config.write_text("samples: {n3: {locks: 3}}\nvariants: {one: {upper_body: monolithic}}\n")
+    config.write_text("samples: {n3: {locks: 3}}\nvariants: {one: {upper_body: columns}}\n")
     study = read_study({"samples": {"n3": {"locks": 3}}, "variants": {"one": {}}})
     expected = safe(study.joint("n3"), Direction(0.1))
     assert run_case(config, str(tmp_path / "results"), "n3-mesh0.02-e0.1a", "safe") is None

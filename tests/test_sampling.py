@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
+from joints import sawn
 from small import SMALL
 
-from sidmacib import Direction, Joint, Sidmacib, capacity
+from sidmacib import Direction, Sidmacib, capacity
 from sidmacib.contact_points import OPTIONS, active
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
@@ -30,12 +31,12 @@ RATIOS = [0.0, 0.3, math.inf]
 
 def joints_of(count: int, **others: Any) -> list[SampledJoint]:
     section = SamplingSection(joints=count, **others)
-    return list(sampled_joints(section, Joint(3), 0, count))
+    return list(sampled_joints(section, sawn(3), 0, count))
 
 
 def test_any_part_of_a_sampling_can_be_made_alone() -> None:
     sampling = SamplingSection(joints=100)
-    assert list(sampled_joints(sampling, Joint(3), 37, 45)) == joints_of(100)[37:45]
+    assert list(sampled_joints(sampling, sawn(3), 37, 45)) == joints_of(100)[37:45]
 
 
 def test_joints_lie_within_the_spans_and_fill_them() -> None:
@@ -86,7 +87,7 @@ def points(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     folder = tmp_path_factory.mktemp("sampling")
     section = SamplingSection(joints=16, seed=11, locks=(3, 9), pressed=0.0)
     arguments = {
-        **{"name": "made_up", "sampling": section.parameters(), "base": asdict(Joint(3))},
+        **{"name": "made_up", "sampling": section.parameters(), "base": asdict(sawn(3))},
         **{"start": 0, "stop": 12, "eccentricities": RATIOS, "cells": (1, 2), "limited": 6},
     }
     batches = []
@@ -121,7 +122,7 @@ def test_the_law_is_near_the_static_model_and_safe_below_its_peak(points: pd.Dat
 
 @pytest.mark.parametrize("option", list(OPTIONS))
 def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) -> None:
-    joint = Joint(9)
+    joint = sawn(9)
     model = Sidmacib(joint, OPTIONS[option], active(joint, 4), friction=False)
     loads = unit_loads(OPTIONS[option], RATIOS)
     for ratio, load in zip(RATIOS, loads, strict=True):
@@ -161,7 +162,7 @@ def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Pa
 def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:
     """In pure shear a hangs together with nothing: forces and strengths grow with it alike."""
     section = SamplingSection(joints=2, friction=(0.0, 1e-9))
-    table = sensitivity_table(section, Joint(3), draws=2)
+    table = sensitivity_table(section, sawn(3), draws=2)
     assert len(table) == 2 * 2 * 2 * len(VARIED)
     total = table.set_index(["eccentricity_over_a", "parameter"])["total"]
     assert total.loc[(slice(None), "friction")].abs().max() < 0.05

@@ -8,7 +8,7 @@ import pytest
 from conftest import block_on_ground, load_on_block, renumbered, scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from joints import PUBLISHED, loaded
+from joints import PUBLISHED, loaded, sawn
 from stack import tilted_stack
 
 from sidmacib import limit_load, lock_weights
@@ -35,7 +35,7 @@ def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> StaticSolution:
 
 
 # --- rotations -----------------------------------------------------------------------------------
-STRONG = replace(Joint(3), inner=replace(INNER, cohesion=1e6))
+STRONG = replace(sawn(3), inner=replace(INNER, cohesion=1e6))
 
 
 def lobatto(joint: Joint, e_over_a: float) -> StaticSolution:
@@ -69,10 +69,10 @@ def test_a_path_ends_where_a_piece_that_has_broken_off_has_turned_by_2_degrees()
 
 def test_rotations_before_the_first_failure_are_not_limited() -> None:
     names = [f"{way}_stiffness" for way in ("normal", "shear", "dry")]
-    soft = {name: PARAMETERS[name].of(Joint(3)) / 40 for name in names}
-    found = lobatto(with_parameters(Joint(3), soft), 0.5)
+    soft = {name: PARAMETERS[name].of(sawn(3)) / 40 for name in names}
+    found = lobatto(with_parameters(sawn(3), soft), 0.5)
     assert found.peak.rotation > 0.05
-    assert found.peak.load == pytest.approx(lobatto(Joint(3), 0.5).peak.load, rel=1e-4)
+    assert found.peak.load == pytest.approx(lobatto(sawn(3), 0.5).peak.load, rel=1e-4)
 
 
 # --- theory --------------------------------------------------------------------------------------
@@ -115,10 +115,10 @@ def test_a_pulled_bond_fails_at_its_strength(joint: Joint, density: float, stren
 
 @pytest.mark.parametrize("e_over_a", [0.0, 0.5, math.inf])
 def test_without_tensile_strength_no_bond_of_a_joint_pulls(e_over_a: float) -> None:
-    found = solved(Joint(3, inner=replace(INNER, tensile_strength=0.0)), e_over_a)
+    found = solved(sawn(3, inner=replace(INNER, tensile_strength=0.0)), e_over_a)
     for point in found.path:
         assert (point.force[:, 0] >= -2e-9 * np.abs(point.force).max()).all()
-    assert 0.0 < found.peak.load < 1.001 * solved(Joint(3), e_over_a).peak.load
+    assert 0.0 < found.peak.load < 1.001 * solved(sawn(3), e_over_a).peak.load
 
 
 # --- how it ends ----------------------------------------------------------------------------------
@@ -129,7 +129,7 @@ def test_a_stack_carries_any_weight() -> None:
 
 
 def test_the_peak_is_found_from_nearby_where_newton_fails_from_afar() -> None:
-    joint = Joint(5, a=0.03, b=0.1, h=0.0132, H=0.0468)
+    joint = sawn(5, a=0.03, b=0.1, h=0.0132, H=0.0468)
     ratios = (math.tan(math.radians(angle)) for angle in (75, 80, 85))
     before, found, after = (solved(joint, ratio, 0.005).peak.load for ratio in ratios)
     assert found == pytest.approx((before + after) / 2, rel=0.01)
@@ -137,7 +137,7 @@ def test_the_peak_is_found_from_nearby_where_newton_fails_from_afar() -> None:
 
 def test_a_joint_of_which_a_piece_is_loose_for_a_moment_stands() -> None:
     # The first step of Newton's method throws a piece far off, and the second brings it back.
-    one, other = (solved(Joint(4, a=0.11, h=h, H=0.016), 1.0, 0.02) for h in (0.0265, 0.0266))
+    one, other = (solved(sawn(4, a=0.11, h=h, H=0.016), 1.0, 0.02) for h in (0.0265, 0.0266))
     assert one.path[0].load == 0.0
     assert one.peak.load == pytest.approx(other.peak.load, rel=1e-3)
 
@@ -146,7 +146,7 @@ def test_a_joint_of_which_a_piece_is_loose_for_a_moment_stands() -> None:
 @pytest.mark.parametrize("locks", [3, 4])
 @pytest.mark.parametrize("e_over_a", [0.0, 0.5, math.inf])
 def test_every_equilibrium_balances_loads_within_strengths(locks: int, e_over_a: float) -> None:
-    model, loads = loaded(Joint(locks), e_over_a)
+    model, loads = loaded(sawn(locks), e_over_a)
     rows, contact_law = free_rows(model), ContactLaw.of(model)
     for point in static_peak(model, loads).path:
         assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
@@ -157,7 +157,7 @@ def test_every_equilibrium_balances_loads_within_strengths(locks: int, e_over_a:
 
 @pytest.mark.parametrize("failure", Failure)
 def test_the_first_failure_alone_is_that_of_the_path_to_the_peak(failure: Failure) -> None:
-    model, loads = loaded(Joint(5, failure=failure), 2.0)
+    model, loads = loaded(sawn(5, failure=failure), 2.0)
     found = static_first_failure(model, loads)
     assert found.point.load == static_peak(model, loads).first_failure_load
     used = utilisation(ContactLaw.of(model), found.point.state, found.point.force)
@@ -176,7 +176,7 @@ def test_where_no_bond_fails_first_failure_is_the_last_point_with_a_reason(joint
 
 
 def test_a_smaller_increment_follows_the_history_of_friction_more_closely() -> None:
-    joint = Joint(
+    joint = sawn(
         9,
         a=0.036345,
         h=0.0076148,
@@ -200,7 +200,7 @@ def test_a_smaller_increment_follows_the_history_of_friction_more_closely() -> N
 @settings(max_examples=15)
 @given(st.floats(-6, 6), st.floats(-6, 6), st.sampled_from([0.0, 0.35, math.inf]))
 def test_peaks_scale_with_stress_and_area(size: float, strength: float, e_over_a: float) -> None:
-    length, stress, joint = 10.0**size, 10.0**strength, Joint(4)
+    length, stress, joint = 10.0**size, 10.0**strength, sawn(4)
     factor = stress * length**2
     one = solved(joint, e_over_a)
     other = solved(scaled(joint, length, stress), e_over_a, 0.03 * length)
@@ -213,7 +213,7 @@ def test_peaks_scale_with_stress_and_area(size: float, strength: float, e_over_a
 @settings(max_examples=5)
 @given(st.floats(-6, 6))
 def test_the_length_that_measures_rotations_is_a_matter_of_taste(exponent: float) -> None:
-    model, loads = loaded(Joint(4), 0.35)
+    model, loads = loaded(sawn(4), 0.35)
     # The other lengths are within four orders of magnitude of the assembly's.
     other = static_peak(replace(model, length=model.length * 10.0 ** (exponent / 3)), loads)
     assert other.peak.load == pytest.approx(static_peak(model, loads).peak.load, rel=1e-6)
@@ -239,7 +239,7 @@ def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
 def test_peak_and_weights_of_the_published_samples(
     locks: int, published: float, weights: list[float], within: float
 ) -> None:
-    joint = Joint(locks)
+    joint = sawn(locks)
     model, loads = loaded(joint, mesh=0.02)
     found = static_peak(model, loads)
     assert found.peak.load == pytest.approx(published, rel=within)

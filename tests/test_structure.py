@@ -9,13 +9,13 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import sawn
 from scipy.spatial.transform import Rotation
 from structures import BLOCK, GROUND, dry, moved, on_ground
 
 from sidmacib import (
     Direction,
     HoldDown,
-    Joint,
     UpperBody,
     limit_load,
     static_peak,
@@ -115,7 +115,7 @@ def test_size_and_density_do_not_change_the_tilt_of_a_dry_arch(size: float, dens
 
 @pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
 def test_the_joint_is_a_structure_of_its_pieces(body: UpperBody) -> None:
-    joint = Joint(3, upper_body=body, hold_down=HoldDown.force(500.0))
+    joint = sawn(3, upper_body=body, hold_down=HoldDown.force(500.0))
     model, loads = posed(joint, Loading(Direction(0.3)), 0.03, NodeLayout.LOBATTO, least=1)
     blocks = [
         box(p.name, p.low, p.high, p.mass / math.prod(p.size) or 1.0, fixed=p.fixed)

@@ -10,9 +10,10 @@ import yaml
 from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
+from joints import sawn
 from small import BOTH, ONE, merged
 
-from sidmacib import OPTIONS, READY_OPTIONS, Joint, NodeLayout, OwnLock, UpperBody, assemble
+from sidmacib import OPTIONS, READY_OPTIONS, NodeLayout, OwnLock, UpperBody, assemble
 from sidmacib.engines import Numerics
 from sidmacib.reading import Section
 from workflow.cases import cases_of
@@ -47,11 +48,13 @@ def test_config_yaml_spells_out_the_defaults() -> None:
     config = yaml.safe_load((ROOT / "config.yaml").read_text())
     study = read_study(config)
     default = read_study({key: config[key] for key in ("samples", "variants")} | BOTH)
-    assert study == default.model_copy(update={"nodes": NodeLayout.VERTICES})  # 3DEC's
+    cut = default.assembly.model_copy(update={"upper_body": UpperBody.COLUMNS})
+    as_published = {"nodes": NodeLayout.VERTICES, "assembly": cut}  # 3DEC's
+    assert study == default.model_copy(update=as_published)
     assert [*left_out(Study, config)] == ["samplings", "campaign", "measured", "structures"]
     del config["dem"]["numerics"]["damping"]
     assert "dem.numerics.damping" in left_out(Study, config)
-    assert study.joint("n3") == Joint(3)
+    assert study.joint("n3") == sawn(3)
     assert {k: o.contact_option() for k, o in study.sidmacib.options.items()} == OPTIONS
 
 
@@ -107,7 +110,7 @@ def test_all_faults_are_reported_at_once() -> None:
 def test_the_estimate_of_nodes_is_never_low_and_of_the_right_order(
     mesh: float, layout: NodeLayout, locks: int, h: float, body: UpperBody, width: float
 ) -> None:
-    joint = Joint(locks, h=h, upper_body=body, different={1: OwnLock(width=width)})
+    joint = sawn(locks, h=h, upper_body=body, different={1: OwnLock(width=width)})
     nodes = len(assemble(joint, mesh, layout).nodes.face)
     assert nodes <= node_estimate(joint, mesh, layout) < 8 * nodes
 

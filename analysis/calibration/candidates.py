@@ -82,6 +82,7 @@ def candidate_study(
             for (name, each), n in product(chosen.items(), locks)
         },
         "materials": study.materials.model_dump(),
+        "assembly": study.assembly.model_dump(mode="json"),
         "meshes": list(study.calibration.meshes),
         "nodes": str(study.nodes),
         "eccentricities": [0],

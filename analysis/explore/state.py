@@ -67,7 +67,7 @@ UNITS = {each.name: slider[4] if slider[3:] else 1.0 for each, slider in _SHOWN.
 
 _FIRST = {  # values of the sliders at first; no Young's modulus: rigid
     **{name: (PARAMETERS[name].of(FIRST) or 0.0) / unit for name, unit in UNITS.items()},
-    **{"locks": FIRST.locks, "pressure": 0.0, "eccentricity": 0.3, "one_piece": False},
+    **{"locks": FIRST.locks, "pressure": 0.0, "eccentricity": 0.3, "one_piece": True},
     **{"scatter": 0.0, "gamma_m": 1.0},
 }
 _VALUES: Any = make_dataclass(
@@ -268,12 +268,12 @@ sidmacib: {{reductions: [none, lower_sum]}}
 def as_python(state: Settings) -> str:
     """The joint as Python."""
     joint, reliability = state.joint, state.reliability
-    imported = "\nfrom sidmacib import UpperBody" if state.one_piece else ""
+    imported = "\nfrom sidmacib import UpperBody" if not state.one_piece else ""
     given = [f"{state.locks}", _given(joint, "", "="), "inner=inner", "dry=dry"]
     if joint.elastic:
         given.append(f"elastic=sidmacib.Elastic({joint.elastic.young:g})")
-    if state.one_piece:
-        given.append("upper_body=UpperBody.MONOLITHIC")
+    if not state.one_piece:
+        given.append("upper_body=UpperBody.COLUMNS")
     if state.pressure:
         given.append(f"hold_down=sidmacib.HoldDown.pressure({1e3 * state.pressure:g})")
     design = (

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from sidmacib.joint import Joint
+from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.blocks import Block, box, grouped
 from sidmacib.structure.cutting import Plane, cut
@@ -343,9 +343,12 @@ def blocks_of_file(path: Path) -> Found | None:
 def joint_blocks(joint: Joint) -> Found:
     """The lower and the upper block of ``joint``, and where its locks are.
 
-    The lower body, whose thickness no model needs, is as high as the upper one; columns are parts
-    of the upper block. ValueError for locks of a density of their own.
+    The lower body, whose thickness no model needs, is as high as the upper one. ValueError for
+    locks of a density of their own, and for an upper block that is cut into columns.
     """
+    if joint.upper_body is not UpperBody.MONOLITHIC:
+        allowed = f"{UpperBody.MONOLITHIC}, as the block is built in one piece"
+        raise refused("upper_body", str(joint.upper_body), allowed)
     for lock in joint.numbers:
         if (density := joint.lock_density(lock)) != joint.density:
             raise refused(f"different: lock {lock}: density", density, "that of its block")

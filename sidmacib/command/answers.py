@@ -173,8 +173,7 @@ def meaning(reliability: "Reliability", joint: Joint) -> Iterator[str]:
         words = "Strengths are taken as design values"
         yield f"{words}; if they are means, give --scatter and --gamma-m."
     if joint.upper_body is UpperBody.COLUMNS and joint.locks > 1:
-        words = "The upper block is cut into columns, as in the paper"
-        yield f"{words}; one piece: --upper-body monolithic."
+        yield "The upper block is cut into columns, as in the paper."
 
 
 def capacity_rows(
@@ -312,7 +311,7 @@ def law_rows(joint: Joint, push: Push) -> list[Row]:
     length_words = "pairs over which lock forces fall to 1 / 2.718"
     results: list[tuple[str, Any, str]] = [
         ("bearing pairs of locks", pairs.count, pair_words),
-        ("effective locks, closed form", pairs.working, "V / T0, columns without friction"),
+        ("effective locks, closed form", pairs.working, "V / T0, without friction"),
         ("effective locks, endless joint", endless, "limit of the closed form for many locks"),
         ("transfer length", length, length_words),
     ]

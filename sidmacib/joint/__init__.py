@@ -198,7 +198,7 @@ class Joint:
     inner: FaceMaterial = INNER
     dry: FaceMaterial = DRY
     failure: Failure = Failure.BRITTLE
-    upper_body: UpperBody = UpperBody.COLUMNS
+    upper_body: UpperBody = UpperBody.MONOLITHIC
     first: Side = Side.UPPER
     different: Mapping[int, OwnLock] | tuple[tuple[int, OwnLock], ...] = ()
     hold_down: HoldDown = FIXED_PLATE

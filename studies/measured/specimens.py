@@ -29,6 +29,7 @@ REFERENCE_LOCKS = 3  # locks of the joint that others are compared with
 LOCKS = (5, 7, 9, 11)
 RATIOS = (0.0, 0.5, math.inf)  # e / a
 VARIATION = 0.2  # of the locks' strengths, standard deviation over mean
+SAWN = Joint(3, upper_body=UpperBody.COLUMNS)
 WHOLE = Joint(3, upper_body=UpperBody.MONOLITHIC, elastic=Elastic(1e10))  # one piece that bends; Pa
 SIGNIFICANCE, POWER = 0.05, 0.8  # of the test: of deciding without a difference, and with one
 LEAST = 3  # specimens: fewer tell nothing of their scatter
@@ -65,7 +66,7 @@ def rows() -> Iterator[tuple[float, ...]]:
     for locks in LOCKS:
         for ratio in RATIOS:
             loads = {
-                n: [_load(joint, Direction(ratio)) for joint in (Joint(n), replace(WHOLE, locks=n))]
+                n: [_load(replace(joint, locks=n), Direction(ratio)) for joint in (SAWN, WHOLE)]
                 for n in (REFERENCE_LOCKS, locks)
             }
             columns, whole = (

@@ -255,7 +255,7 @@ class AssemblySection(Section):
     pieces: Pieces = Pieces.RIGID
     failure: Failure = Failure.BRITTLE
     load_share: LoadShare = LoadShare.FACE
-    upper_body: UpperBody = UpperBody.COLUMNS
+    upper_body: UpperBody = UpperBody.MONOLITHIC
     push: Push = Push.PLUS_Y
     hold_down: HeldDown = HoldDown()
 
