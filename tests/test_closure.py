@@ -250,7 +250,7 @@ def test_type_checkers_know_the_types_of_public_names(tmp_path: Path) -> None:
     (tmp_path / "user.py").write_text(
         "import sidmacib\nfrom sidmacib import Joint, assemble, limit_load\n"
         + "".join(f"sidmacib.{name}\n" for name in sidmacib.__all__)
-        + "reveal_type(assemble(sawn(3), 0.02))\nreveal_type(sidmacib.Direction(0.5).shear)\n"
+        + "reveal_type(assemble(Joint(3), 0.02))\nreveal_type(sidmacib.Direction(0.5).shear)\n"
     )
     strict = ("--strict", "--config-file=", "user.py", "--cache-dir", ".cache")
     skipped = ("--follow-imports=silent", "--ignore-missing-imports")

@@ -118,12 +118,12 @@ def test_a_typed_number_moves_its_slider_and_the_address_opens_the_same_joint(
     page = opened.page
     choose(page, "locks", "7")
     assert page.input_value("#locks") == "7"
-    page.select_option("#one_piece", label="one piece")
+    page.select_option("#one_piece", label="cut into columns")
     settle(page)
     words = page.text_content("#words")
     assert (words or "").startswith("7 locks, ")
-    assert page.url == f"{served.url}/?locks=7&one_piece=1"
-    again = opened_at(browser, f"{served.url}/?locks=7&one_piece=1").page
+    assert page.url == f"{served.url}/?locks=7&one_piece=0"
+    again = opened_at(browser, f"{served.url}/?locks=7&one_piece=0").page
     assert again.text_content("#words") == words
     again.close()
 

@@ -9,9 +9,11 @@ back (snap-back), a test under displacement control would show a sudden drop.
 import matplotlib.pyplot as plt
 
 import sidmacib
+from sidmacib import UpperBody
 from sidmacib.mechanics.static.peaks import after_peak
 
-joint, direction = sidmacib.Joint(locks=5), sidmacib.Direction(0.5)  # e / a
+joint = sidmacib.Joint(locks=5, upper_body=UpperBody.COLUMNS)  # as in the paper
+direction = sidmacib.Direction(0.5)  # e / a
 assembly = sidmacib.assemble(joint, mesh=0.01)
 loads = sidmacib.lateral_load(joint, assembly, sidmacib.Loading(direction))
 solution = sidmacib.static_peak(assembly, loads)

@@ -20,7 +20,7 @@ bodies = {
         "upper_body": UpperBody.MONOLITHIC,
         "elastic": sidmacib.Elastic(young=3.5e10, poisson=0.2),
     },
-    "columns": {},
+    "columns": {"upper_body": UpperBody.COLUMNS},
 }
 keys = range(1, 8)
 

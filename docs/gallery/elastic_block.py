@@ -19,7 +19,7 @@ for young in moduli:
     block = sidmacib.Elastic(young, poisson=0.2)
     joint = sidmacib.Joint(locks=5, upper_body=UpperBody.MONOLITHIC, elastic=block)
     working.append(sidmacib.law(joint, pure_shear).load / joint.T0)
-columns = sidmacib.Joint(locks=5)
+columns = sidmacib.Joint(locks=5, upper_body=UpperBody.COLUMNS)
 rigid = sidmacib.law(columns, pure_shear).load / columns.T0
 print(f"softest: {working[0]:.2f}, stiffest: {working[-1]:.2f} locks")  # 1.44, 1.97
 print(f"rigid columns: {rigid:.2f} locks")  # 1.71

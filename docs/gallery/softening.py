@@ -11,13 +11,15 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 
 import sidmacib
+from sidmacib import UpperBody
 from sidmacib.mechanics.assembly import Failure
 
 
 def peak(failure: Failure, energy: float = 0.0) -> float:
     """Largest V (N) of five locks in pure shear; ``energy`` in J/m2."""
     bonds = replace(sidmacib.Joint(5).inner, fracture_energy=energy)
-    joint = sidmacib.Joint(locks=5, inner=bonds, failure=failure)
+    columns = UpperBody.COLUMNS  # as in the paper
+    joint = sidmacib.Joint(locks=5, inner=bonds, failure=failure, upper_body=columns)
     assembly = sidmacib.assemble(joint, mesh=0.02, nodes=sidmacib.NodeLayout.VERTICES)
     loads = sidmacib.lateral_load(joint, assembly, sidmacib.Loading(sidmacib.Direction(0)))
     return sidmacib.static_peak(assembly, loads).peak.load
