@@ -14,6 +14,7 @@
 # make fuzz    change inputs at random, FUZZ=100000; each must give an answer or a one-line error
 # make same    compare tables and figures byte for byte: on one core, under four kernels, PYTHONS=other bin/python
 # make attack  search for joints whose safe load exceeds their capacity, EVALUATIONS=1800 per start
+# make measured  compare loads that walls carried in laboratories with what is computed, with figures
 # make structures  compare structures of blocks with published results; PEERS=1: with compas_cra as well
 # make scaling measure time, files and memory of large studies, CASES=100000
 # make docs    build the pages as a site: build/docs/index.html
@@ -51,7 +52,7 @@ INTO = --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case cases report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack structures scaling lint format lock early system system-test clean
+.PHONY: study locks case cases report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack measured structures scaling lint format lock early system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -110,6 +111,11 @@ same: .venv/test.ready
 
 attack: .venv/study.ready
 	@export OPENBLAS_NUM_THREADS=1; exec $(BIN)/python -m studies.attack.search --evaluations "$$EVALUATIONS"
+
+measured: .venv/study.ready
+	@export OPENBLAS_NUM_THREADS=1; results="$${RESULTS:-results-measured}"; \
+	$(BIN)/python -m studies.measured.walls --results "$$results" && \
+	exec $(BIN)/python -m studies.pages "$$results" docs/measured.md
 
 structures: .venv/study.ready $(if $(PEERS),.venv/peers.ready)
 	@export OPENBLAS_NUM_THREADS=1; results="$${RESULTS:-results-structures}"; \

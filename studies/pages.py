@@ -21,6 +21,7 @@ import studies.attack.search
 import studies.designed_vault.all_layouts
 import studies.locks.page
 import studies.measured.specimens
+import studies.measured.walls
 import studies.published.page
 import studies.structures.compare
 from sidmacib.mechanics.assembly import NodeLayout
@@ -207,6 +208,7 @@ BLOCKS = {
     **studies.designed_vault.all_layouts.BLOCKS,
     **studies.structures.compare.BLOCKS,
     **studies.measured.specimens.BLOCKS,
+    **studies.measured.walls.BLOCKS,
     "elastic-loads": elastic_loads,
     "elastic-mesh-errors": elastic_mesh_errors,
     "elastic-unsafe": elastic_unsafe,

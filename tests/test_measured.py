@@ -1,0 +1,60 @@
+"""Loads that walls carried in laboratories."""
+
+import re
+
+import pytest
+from conftest import ROOT
+
+from sidmacib.mechanics.equilibrium import is_dry
+from sidmacib.scene.page import VALIDATED
+from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.yaml_text import read_yaml
+from studies.measured.walls import HERE, Campaign, campaigns, computed, rows
+from workflow.schema import with_changes
+
+SPAN = re.compile(r"(\d\.\d+) to (\d\.\d+)")
+
+
+def test_every_kind_of_wall_is_a_structure() -> None:
+    for campaign in campaigns().values():
+        file = read_yaml(HERE / campaign.file)
+        for changes in campaign.kinds.values():
+            assert is_dry(structure_of(with_changes(file, changes)).assembly)
+        assert {each.kind for each in campaign.specimens.values()} == set(campaign.kinds)
+
+
+def test_a_brick_wall_carries_out_of_its_plane_what_was_measured() -> None:
+    """Rigid halves of width t and height h / 2 carry 2 t / h of their weight; the stop is 10 mm."""
+    brick = campaigns()["brick"]
+    (row,) = rows("brick", brick, computed(brick))
+    weight = 1800 * 9.81 * 0.95 * 0.11 * 1.5
+    assert row["limit_N"] == pytest.approx(2 * 0.11 / 1.495 * weight, rel=2e-3)
+    assert row["static_N"] < row["limit_N"]
+    assert row["measured_over_static"] == pytest.approx(1.021, abs=2e-3)
+
+
+@pytest.mark.study
+def test_a_granite_wall_rocks_at_what_was_measured() -> None:
+    granite = campaigns()["granite"]
+    kind = {"40 kN": granite.kinds["40 kN"]}
+    some = granite.model_copy(
+        update={"kinds": kind, "specimens": {"WS.40": granite.specimens["WS.40"]}}
+    )
+    (row,) = rows("granite", some, computed(some))
+    assert row["measured_over_static"] == pytest.approx(1.098, abs=3e-3)
+
+
+def test_pages_and_notes_say_what_the_table_says() -> None:
+    page = (ROOT / "docs/measured.md").read_text()
+    line = page.partition("<!-- numbers: walls-line -->\n")[2].partition("\n")[0]
+    of_granite, of_sandstone = SPAN.findall(line)
+    assert SPAN.findall(VALIDATED) == [of_granite, of_sandstone]
+    readme = (ROOT / "README.md").read_text().partition("dry granite")[2]
+    assert SPAN.findall(readme)[0] == of_granite
+
+
+def test_a_specimen_of_no_kind_is_refused() -> None:
+    given = campaigns()["brick"].model_dump()
+    given["specimens"]["wall 12"]["kind"] = "other"
+    with pytest.raises(ValueError, match=r"wall 12\.kind: other; it must be one of as built"):
+        Campaign.read(given)
