@@ -14,7 +14,7 @@ from made_up_results import capacity_of, record_with, tables_of
 from small import ONE, TWO_MESHES, merged
 
 from analysis.published import read_published
-from analysis.summary import rule_errors
+from analysis.summary import answers, rule_errors
 from analysis.summary.summary import leading_models, summary
 from analysis.tables import load_errors, winner
 from analysis.tables.capacity import envelope_rows
@@ -269,6 +269,15 @@ def test_half_of_the_locks_may_be_counted_where_an_option_is_safe() -> None:
     lines = summary("there", tables_for(study), [0.02, 0.01]).splitlines()
     assert lines[0] == f"{COUNT} Yes, for these joints"
     assert lines[1] == "  strong safe (Option 3)"
+
+
+def test_each_answer_of_an_incomplete_study_says_so(tables: dict[str, pd.DataFrame]) -> None:
+    cases = tables["cases"].copy()
+    cases["error"] = cases["error"].astype(object)
+    cases.loc[cases.index[0], "error"] = "timed out"
+    found = answers({**tables, "cases": cases}, leading_models(tables["fit"]), 0.01)
+    words = f"(incomplete: 1 of {len(cases)} cases have no result)"
+    assert found and all(each.question.endswith(words) for each in found)
 
 
 def test_of_joints_of_ones_own_what_they_carry_is_answered_first() -> None:

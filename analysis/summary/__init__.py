@@ -5,7 +5,7 @@ How far each rule for the capacity of a joint is unsafe at most, and where, is f
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
@@ -154,12 +154,18 @@ def answers(
 ) -> list[Question]:
     """The answers, at the finest ``mesh`` (m); ``leading``: see the summary.
 
-    Of samples that the paper has no numbers for, what they carry comes first.
+    Of samples that the paper has no numbers for, what they carry comes first. Each says so if cases
+    of the study have no result.
     """
     found = [*_answers(tables, leading, mesh)]
     if tables["validation"].empty:
         found.sort(key=lambda each: each.question != CARRIED)
-    return [each for each in found if each.answer or each.by_sample]
+    found = [each for each in found if each.answer or each.by_sample]
+    without = tables["cases"]["error"].notna()
+    if without.any():
+        words = f"(incomplete: {without.sum()} of {len(without)} cases have no result)"
+        found = [replace(each, question=f"{each.question} {words}") for each in found]
+    return found
 
 
 def _answers(
