@@ -12,7 +12,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.equilibrium import unbalanced_share
 
-PEAK, FIRST_FAILURE = "peak", "first failure"
+PEAK, FIRST_FAILURE, DRY_PEAK = "peak", "first failure", "peak of dry joints"
 AT_THE_LOAD = "at the load"
 MECHANISM = "mechanism"  # velocities at the limit load, for 1 m along the load
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
@@ -44,15 +44,19 @@ UNKNOWN = MeshErrors(None, None)
 
 @dataclass(frozen=True)
 class Counts:
-    """Whether the peak counts, or the first failure, and ``why``."""
+    """Whether the peak counts, or the first failure, and ``why``.
+
+    ``dry``: whether the peak is that of dry joints, in place of bonds that fail before.
+    """
 
     peak: bool
     why: str
+    dry: bool = False
 
     @property
     def name(self) -> str:
-        """Which of the two counts."""
-        return PEAK if self.peak else FIRST_FAILURE
+        """What counts."""
+        return (DRY_PEAK if self.dry else PEAK) if self.peak else FIRST_FAILURE
 
     def __str__(self) -> str:
         return f"the {self.name} counts: {self.why}"

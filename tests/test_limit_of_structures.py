@@ -20,7 +20,7 @@ from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
-from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
@@ -52,6 +52,27 @@ def test_a_stepped_stack_carries_no_more_without_dilation_and_obeys_coulomb() ->
     force = found.state.force
     beyond = np.hypot(force[:, 1], force[:, 2]) - 0.6 * force[:, 0]
     assert beyond.max() <= 0.02 * force[:, 0].max()
+
+
+def test_sliding_in_bonds_does_not_dilate_either() -> None:
+    """A block that is pushed along its notch, dry and with bonds that hold next to nothing."""
+    left = [(-1.0, 0.0, -0.5), (0.0, 0.0, -0.5), (0.0, 0.0, 0.0), (-1.0, 0.0, 1.0)]
+    right = [(-x, y, z) for x, y, z in left]
+    key = [(0.0, 0.0, 0.0), (1.0, 0.0, 1.0), (-1.0, 0.0, 1.0)]
+    along = (0.0, 0.5, 0.0)
+    blocks = [
+        prism("left", left, along, 2e3, fixed=True),
+        prism("right", right, along, 2e3, fixed=True),
+        prism("key", key, along, 2e3),
+    ]
+    weak = FaceMaterial(1e10, 1e10, 0.4, cohesion=1.0, tensile_strength=1.0)
+    loads = []
+    for law in (dry(0.4), weak):
+        model = structure(blocks, law)
+        found = sliding_limit(model, acceleration(model, (0, 1, 0)))
+        assert found.state.load < 0.99 * found.associated.load
+        loads.append(found.state.load)
+    assert loads[1] == pytest.approx(loads[0], rel=5e-3)
 
 
 CASES = Path(__file__).parent / "cases"

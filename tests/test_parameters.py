@@ -14,6 +14,7 @@ from small import SMALL
 from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
 from sidmacib.joint import INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, SIZES, unit_warnings, with_parameters
+from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.quantities import Length
 from sidmacib.rule import law
 from sidmacib.rule.spans import spans_of
@@ -56,6 +57,14 @@ def test_a_number_is_held_to_its_range(
     for value in (*outside, "long", None, True, "nan", 10**400):
         with pytest.raises(ValueError, match=f"; it must be .*{re.escape(allowed)}$"):
             parameter.read(value)
+
+
+def test_friction_of_bonds_is_that_of_the_face_unless_it_is_given() -> None:
+    face = FaceMaterial(1e10, 1e10, 0.4, 8e4, 3.7e5)
+    parameter = PARAMETERS["bond_friction"]
+    assert parameter.of(Joint(3, inner=face)) == face.friction_in_bonds == 0.4
+    assert parameter.of(Joint(3, inner=replace(face, bond_friction=0.1))) == 0.1
+    assert replace(face, friction=0.2).friction_in_bonds == 0.2
 
 
 def test_there_is_a_range_for_every_number_that_a_flag_sets() -> None:

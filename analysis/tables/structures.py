@@ -21,7 +21,7 @@ from sidmacib.errors import (
 )
 from sidmacib.mesh_error import DIGITS
 from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
-from sidmacib.problem import FIRST_FAILURE, PEAK, Counts, Failures, Problem
+from sidmacib.problem import DRY_PEAK, FIRST_FAILURE, PEAK, Counts, Failures, Problem
 from sidmacib.structure.analysis.forces import most_used
 from sidmacib.structure.analysis.supports import support_answers
 from sidmacib.structure.analysis.tilt import tilt_of_load
@@ -105,7 +105,10 @@ def _compared(record: StructureRecord, static: StructureRecord | None) -> float 
     """The load (N) of the static model to compare with: for an engine, on the same cells."""
     if record.model == REFERENCE_MODEL or static is None:
         return None
-    first = first_failure_only(record.model) or static.part.counts == FIRST_FAILURE
+    first = first_failure_only(record.model) or static.part.counts in (
+        FIRST_FAILURE,
+        DRY_PEAK,
+    )
     if record.model not in ENGINES:
         return static.first_failure_load_N if first else static.peak_N
     return static.part.given_first_failure_N if first else static.part.given_peak_N
@@ -144,7 +147,7 @@ def _answer(record: StructureRecord | None, model: str) -> Answer:
         model=model,
         value=record.load_N,
         failures=Failures(peak if first is None else first, peak),
-        counts=Counts(part.counts != FIRST_FAILURE, part.because or ""),
+        counts=Counts(part.counts != FIRST_FAILURE, part.because or "", part.counts == DRY_PEAK),
         mesh_error=part.mesh_error,
         mode=record.mode,
         bounds=not part.bonded,

@@ -21,6 +21,7 @@ from scipy.optimize import bisect
 from sidmacib.answers.structure_paths import (
     CRUSHING,
     LOWER,
+    NO_BOND,
     SMALL,
     StaticAnswer,
     told,
@@ -59,16 +60,44 @@ def static_answer(
     `CapacityError` if it has none; `NoEquilibriumError` if the structure does not stand.
     """
     with naming_permanent(problem.loads):
-        if crushed_faces(problem.assembly):
-            return with_crushing(problem, limit)
-        return _bounded_answer(problem, limit)
+        answer = _of_model(problem, limit)
+        if answer.counts.peak:
+            return answer
+        doubt = answer.counts.why
+        try:
+            dry = _of_model(_dry(problem), None)
+        except CapacityError:
+            dry = answer
+        if dry.load > answer.load:
+            return _of_dry_joints(answer, dry)
+        if not answer.failures.first > 0.0:
+            raise CapacityError(f"bonds fail under its own weight alone, and {doubt}")
+        return answer
+
+
+def _of_dry_joints(answer: StaticAnswer, dry: StaticAnswer) -> StaticAnswer:
+    """The answer for ``dry`` joints in place of that with bonds, whose peak does not count."""
+    known = "" if dry.counts.why == NO_BOND else f"{dry.counts.why}; "
+    return replace(
+        dry,
+        failures=Failures(answer.failures.first, dry.load),
+        mesh_errors=MeshErrors(answer.mesh_errors.first, dry.mesh_error),
+        counts=Counts(peak=True, why=f"{known}with bonds, {answer.counts.why}", dry=True),
+    )
+
+
+def _of_model(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+    """The answer for bonds, or for dry joints, as they are."""
+    if crushed_faces(problem.assembly):
+        return with_crushing(problem, limit)
+    return _bounded_answer(problem, limit)
 
 
 def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
     """The answer for blocks that are not crushed."""
-    if not is_dry(problem.assembly):
-        return _with_bonds(problem)
     answer = unbounded_answer(problem)
+    if not is_dry(problem.assembly):
+        return answer
     most = _bound(problem, answer.load, limit)
     if answer.load > (1.0 + SMALL) * most:
         answer = unbounded_answer(problem, most)
@@ -77,31 +106,6 @@ def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) 
     alone = told(problem.loads, answer.load)
     why = f"{answer.counts.why}; limit analysis is below the static model alone, {alone}"
     return _limited(problem, answer, most, why)
-
-
-def _with_bonds(problem: Problem) -> StaticAnswer:
-    """The answer with bonds, or of dry joints where its peak does not count and theirs is more.
-
-    `CapacityError` if bonds fail under the permanent loads, and neither has a peak that counts.
-    """
-    answer = unbounded_answer(problem)
-    if answer.counts.peak:
-        return answer
-    doubt = answer.counts.why
-    try:
-        dry = _bounded_answer(_dry(problem), None)
-    except CapacityError:
-        dry = answer
-    if dry.load > answer.load:
-        return replace(
-            dry,
-            failures=Failures(answer.failures.first, dry.load),
-            mesh_errors=MeshErrors(answer.mesh_errors.first, dry.mesh_error),
-            counts=Counts(peak=True, why=f"that of dry joints; with their bonds: {doubt}"),
-        )
-    if not answer.failures.first > 0.0:
-        raise CapacityError(f"bonds fail under its own weight alone, and {doubt}")
-    return answer
 
 
 def _dry(problem: Problem) -> Problem:
@@ -141,7 +145,7 @@ def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) ->
     ``limit``: of limit analysis, if it is known. `NoEquilibriumError` if they do not stand.
     """
     try:
-        answer = _with_bonds(problem)
+        answer = unbounded_answer(problem)
         without = told(problem.loads, answer.load)
     except UnboundedError as error:
         answer, without = _as_far_as(problem, _limit_load(problem, limit), error), "any load"

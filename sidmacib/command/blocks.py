@@ -3,6 +3,7 @@
 import json
 import sys
 from dataclasses import fields
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -158,7 +159,9 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     tables = design_tables(found)
     if form == "json":
         named = {name: [*map(plain_row, each)] for name, each in tables.items()}
-        click.echo(json.dumps({"verdict": verdict(found)} | plain_row(named), indent=1))
+        answer = {"version": version("multilock"), "verdict": "yes" if found.passes else "no"}
+        about = {"answer": verdict(found), "file": file.name, "input": task.description}
+        click.echo(json.dumps({**answer, **about, **plain_row(named)}, indent=1))
     else:
         click.echo(verdict(found))
         for name, rows in tables.items():

@@ -94,9 +94,10 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock build -n 5 -o blocks       blocks as solids, to print or to cut
 
 Lengths in m, forces in N, stresses in Pa, unless a unit follows: 80mm, 5kN.
-Defaults are those of the published study. "multilock COMMAND --help" describes
-a command. The exit status is 1 if the answer is no or no model has one, and 2
-if what was given is at fault. For completion in bash:
+Sizes and materials are by default those of the published study; the upper
+block is in one piece. "multilock COMMAND --help" describes a command. The exit
+status is 1 if the answer is no or no model has one, and 2 if what was given is
+at fault. For completion in bash:
 eval "$(_MULTILOCK_COMPLETE=bash_source multilock)" (zsh, fish: zsh_source,
 fish_source).
 """

@@ -68,6 +68,10 @@ class Views:
             answer = f"{ends} at {at}; failure mode: {static.mode}"
             if not static.counts.peak:
                 answer = f"first bond failure at {at}; {static.counts}"
+            elif static.counts.dry:
+                answer = (
+                    f"{static.counts.name} at {at}; {static.counts}; failure mode: {static.mode}"
+                )
         else:
             models.reverse()
             answer = f"static model: {reason(static)}"
@@ -156,7 +160,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
         forces_of = f"{MODELS[drawn.model].label}; {in_asked_words(drawn.load_words)}"
     unit = "N" if views.problem.loads.axis is None else "degrees"
     failing = [f"{name} ({load:.4g} {unit})" for name, load in drawn.failing]
-    asked, laws = in_asked_units(rows), [*_laws(drawn.assembly.faces)]
+    asked, laws = in_asked_units(rows), [*_laws(assembly.faces)]
     return rendered(
         TEMPLATE,
         title=f"Calculation note: structure {views.title}",

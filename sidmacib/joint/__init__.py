@@ -177,8 +177,8 @@ PLAIN = OwnLock()
 class Joint:
     """A corrugated joint between two blocks, with ``locks`` locks in a row along y.
 
-    The defaults are the paper's sample. Of its geometry the paper's text gives only a * b =
-    0.003 m2; a, b, h and H are assumptions.
+    Sizes and materials are by default those of the paper's sample. Of its geometry the paper's text
+    gives only a * b = 0.003 m2; a, b, h and H are assumptions.
 
     ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
     upper main body above the locks, in m. ``density`` in kg/m3. ``inner``: material of the inner

@@ -112,7 +112,10 @@ def with_parameters(joint: Joint, values: Mapping[str, Any]) -> Joint:
 def value_at(joint: Joint, place: str) -> Any:
     """The value of a field such as ``inner.cohesion``; None where ``joint`` has no such part."""
     part, _, field = place.rpartition(".")
-    return getattr(getattr(joint, part) if part else joint, field, None)
+    value = getattr(owner := getattr(joint, part) if part else joint, field, None)
+    if value is None and isinstance(owner, FaceMaterial):  # it is that of another field
+        return owner.friction_in_bonds
+    return value
 
 
 def with_fields(joint: Joint, values: Mapping[str, Any]) -> Joint:

@@ -68,16 +68,17 @@ def sliding_limit(
 
 def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> SlidingLimit:
     """The rounds from the state with ``associated`` friction on."""
-    dry = np.array([face.kind is Kind.DRY for face in assembly.faces])[assembly.nodes.face]
+    slides = np.array([face.kind is not Kind.LOCKED for face in assembly.faces])
+    slides = slides[assembly.nodes.face]  # by friction, also where it is bonded
     cone = ContactLaw.of(assembly).cone()
     normal, twist = associated.force[:, 0], Twist.of(assembly, associated.force)
     limited: set[int] = set()
     held, found, calm, step, change = normal, [associated], 0, STEP, 0.0
     for number in range(1, SLIDING_ROUNDS + 1):
-        given = (1.0 - SLOPE) * cone.slope * np.maximum(normal, 0.0)
+        given = cone.held + (1.0 - SLOPE) * cone.slope * normal  # tension weakens bonds
         flat = Cone(
-            np.where(dry, given, cone.held),
-            np.where(dry, SLOPE * cone.slope, cone.slope),
+            np.where(slides, np.maximum(given, 0.0), cone.held),
+            np.where(slides, SLOPE * cone.slope, cone.slope),
             cone.torn,
         )
         try:
@@ -94,7 +95,7 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         normal = step * state.force[:, 0] + (1.0 - step) * normal
         twist = twist.after(assembly, state.force, max(0.0, 1.0 - step))
         calm = calm + 1 if abs(change) <= SLIDING_SETTLED * abs(state.load) else 0
-        if calm >= CALM and _off_cone(cone, dry, state.force) <= OFF_CONE:
+        if calm >= CALM and _off_cone(cone, slides, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
         last = sorted(found[-LAST:], key=lambda each: each.load)
         close = last[-1].load - last[0].load <= ALIKE * abs(last[0].load)
@@ -110,9 +111,9 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
     )
 
 
-def _off_cone(cone: Cone, dry: Flags, force: Floats) -> float:
-    """Largest shear of rough ``dry`` nodes beyond their ``cone``, over the largest normal force."""
+def _off_cone(cone: Cone, slides: Flags, force: Floats) -> float:
+    """Largest shear of rough ``slides`` beyond their ``cone``, over the largest normal force."""
     beyond = np.hypot(force[:, 1], force[:, 2]) - cone.shear(force[:, 0])
-    beyond = beyond[dry & (cone.slope > 0.0)]
+    beyond = beyond[slides & (cone.slope > 0.0)]
     largest = float(np.abs(force[:, 0]).max())
     return float(beyond.max(initial=0.0)) / largest if largest > 0.0 else 0.0

@@ -178,7 +178,7 @@ def followed(curves: pd.DataFrame, every: Mapping[str, tuple[Campaign, Any]]) ->
             moved, carried = zip(*found[kind].path, strict=True)
             look = {"color": f"C{colour}", "lw": 2.2, "ls": "--", "label": f"{kind} on top"}
             axes.plot([1e3 * each for each in moved], [each / 1e3 for each in carried], **look)
-        axes.set(title=f"{name}: measured (thin), static model (dashed)", xlim=(0, 25))
+        axes.set(title=f"{name}: measured, computed (dashed)", xlim=(0, 25))
         axes.set(xlabel="displacement (mm)", ylabel="force (kN)")
         axes.set_ylim(0, None)
         axes.legend(loc="lower right", fontsize=8)

@@ -78,7 +78,7 @@ class StructurePart:
             mesh_error=errors.peak if counts is None or counts.peak else errors.first,
             first_failure_mesh_error=errors.first,
             nodes=len(assembly.nodes.area),
-            bonded=has_bonds(assembly),
+            bonded=has_bonds(assembly) or (counts is not None and counts.dry),
             note="; ".join(outcome.notes) or None,
             input_notes="; ".join(notes_on(case.subject.description, assembly)) or None,
             interfaces=interfaces_of(assembly, outcome),

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sidmacib.errors import CapacityError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import has_bonds
@@ -50,7 +50,8 @@ def assumes(assembly: Assembly) -> str:
         held = "locks limited by the rule under their hold_down, a plate by default"
         return f"{held}; the first lock to fail governs"
     if has_bonds(assembly):
-        rough = any(face.material.friction_in_bonds for face in assembly.faces)
+        laws = (face.material for face in assembly.faces if face.kind is Kind.INNER)
+        rough = any(law.friction_in_bonds for law in laws)
         bonds = "ductile bonds" if rough else "ductile, frictionless bonds"
         return f"{bonds}: neither an upper nor a lower bound for brittle bonds"
     return "associated friction: may overestimate"
