@@ -115,6 +115,7 @@ attack: .venv/study.ready
 measured: .venv/study.ready
 	@export OPENBLAS_NUM_THREADS=1; results="$${RESULTS:-results-measured}"; \
 	$(BIN)/python -m studies.measured.walls --results "$$results" && \
+	$(BIN)/python -m studies.measured.specimens "$$results/tables/specimens.csv" && \
 	exec $(BIN)/python -m studies.pages "$$results" docs/measured.md
 
 structures: .venv/study.ready $(if $(PEERS),.venv/peers.ready)

@@ -44,14 +44,14 @@ def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
 
 @pytest.mark.parametrize("friction", [0.0, 0.6])
 def test_mesh_errors_of_twisted_bonds_cover_a_finer_mesh(path: Path, friction: float) -> None:
-    bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": friction}
+    bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": friction, "bond_friction": 0}
     twist = {"force": {"block": "block", "at": [0.4, 0.0, 0.0], "direction": [0, 1, 0]}}
     found = {}
     for mesh in (0.2, 0.025):
         given = ON_GROUND | {"interfaces": bonded, "load": twist, "mesh": mesh}
         found[mesh] = by_model(path, given)["limit"]
     change = abs(found[0.2]["load_N"] / found[0.025]["load_N"] - 1.0)
-    assert 1e-6 < change <= found[0.2]["mesh_error_over_load"] < 0.05
+    assert 1e-5 < change <= found[0.2]["mesh_error_over_load"] < 0.05
 
 
 def test_the_command_prints_the_angle_at_which_a_structure_slides(path: Path) -> None:

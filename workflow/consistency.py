@@ -87,9 +87,9 @@ def requirements(study: Study, assembly: AssemblySection, sample: str) -> Iterat
         allowed = "columns or monolithic"
         yield Requirement(Ability.JOINED, "assembly.upper_body", "joined", allowed)
     for place, inner in _inner_faces(study, sample):
-        if (rubs := inner.friction_in_bonds) not in (0.0, inner.friction):
-            allowed = f"0 or {inner.friction:g}, the friction"
-            yield Requirement(Ability.BOND_FRICTION, f"{place}.bond_friction", f"{rubs:g}", allowed)
+        if inner.needs_in_bonds:
+            given = f"{place}.bond_friction", f"{inner.friction_in_bonds:g}"
+            yield Requirement(Ability.BOND_FRICTION, *given, inner.needs_in_bonds)
         if inner.normal_stiffness != inner.shear_stiffness:
             yield Requirement(
                 Ability.TWO_STIFFNESSES,

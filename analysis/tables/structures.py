@@ -105,12 +105,11 @@ def _compared(record: StructureRecord, static: StructureRecord | None) -> float 
     """The load (N) of the static model to compare with: for an engine, on the same cells."""
     if record.model == REFERENCE_MODEL or static is None:
         return None
-    first = first_failure_only(record.model) or static.part.counts in (
-        FIRST_FAILURE,
-        DRY_PEAK,
-    )
+    counts = static.part.counts
+    first = first_failure_only(record.model) or counts == FIRST_FAILURE
     if record.model not in ENGINES:
         return static.first_failure_load_N if first else static.peak_N
+    first |= counts == DRY_PEAK  # an engine has the bonds, as on the cells of the file
     return static.part.given_first_failure_N if first else static.part.given_peak_N
 
 

@@ -63,14 +63,14 @@ def static_answer(
         answer = _of_model(problem, limit)
         if answer.counts.peak:
             return answer
-        doubt = answer.counts.why
         try:
             dry = _of_model(_dry(problem), None)
+            if dry.load > answer.load:
+                return _of_dry_joints(answer, dry)
         except CapacityError:
-            dry = answer
-        if dry.load > answer.load:
-            return _of_dry_joints(answer, dry)
+            pass
         if not answer.failures.first > 0.0:
+            doubt = answer.counts.why
             raise CapacityError(f"bonds fail under its own weight alone, and {doubt}")
         return answer
 

@@ -3,7 +3,6 @@
 import json
 import sys
 from dataclasses import fields
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,13 @@ from sidmacib.command.options import (
     note_option,
     quantity,
 )
-from sidmacib.command.output import plain_row, refused_in_one_line, status_line, text_of
+from sidmacib.command.output import (
+    plain_row,
+    refused_in_one_line,
+    status_line,
+    text_of,
+    with_version,
+)
 from sidmacib.quantities import Number
 
 GAP = Number(at_least=0, unit="m")
@@ -159,9 +164,9 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     tables = design_tables(found)
     if form == "json":
         named = {name: [*map(plain_row, each)] for name, each in tables.items()}
-        answer = {"version": version("multilock"), "verdict": "yes" if found.passes else "no"}
-        about = {"answer": verdict(found), "file": file.name, "input": task.description}
-        click.echo(json.dumps({**answer, **about, **plain_row(named)}, indent=1))
+        answer = {"verdict": "yes" if found.passes else "no", "answer": verdict(found)}
+        about = {"file": file.name, "input": task.description}
+        click.echo(json.dumps(with_version({**answer, **about, **named}), indent=1))
     else:
         click.echo(verdict(found))
         for name, rows in tables.items():

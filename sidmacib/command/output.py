@@ -40,6 +40,11 @@ _MEASURED = re.compile(
 BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 
+def with_version(about: Row) -> Row:
+    """What JSON and CSV say beside rows: the version of multilock, and ``about`` by plain names."""
+    return {"version": version("multilock"), **plain_row(about)}
+
+
 def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     """``rows`` in one of `FORMATS`, in the units that were asked for; JSON and CSV have all digits.
 
@@ -49,10 +54,7 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     """
     rows, beside = in_asked_units(rows), in_asked_units([about or {}])[0]
     if form != "table":
-        rows, beside = (
-            [plain_row(row) for row in rows],
-            {"version": version("multilock"), **plain_row(beside)},
-        )
+        rows, beside = [plain_row(row) for row in rows], with_version(beside)
     if form == "json":
         return json.dumps({**beside, "rows": rows}, indent=1)
     if form == "csv" and about is not None:

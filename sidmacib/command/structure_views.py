@@ -69,9 +69,8 @@ class Views:
             if not static.counts.peak:
                 answer = f"first bond failure at {at}; {static.counts}"
             elif static.counts.dry:
-                answer = (
-                    f"{static.counts.name} at {at}; {static.counts}; failure mode: {static.mode}"
-                )
+                counts = static.counts
+                answer = f"{counts.name} at {at}, as {counts.why}; failure mode: {static.mode}"
         else:
             models.reverse()
             answer = f"static model: {reason(static)}"

@@ -40,7 +40,9 @@ from sidmacib.validation import kinds_of
 
 HOUR = 3600.0  # s
 # Numbers of a law that no script reads; bonds that soften are refused as a whole.
-NOT_GIVEN = set(kinds_of(FaceMaterial)) - {*kinds_of(GivenMaterial), *OF_BONDS}
+NOT_GIVEN = [
+    each for each in kinds_of(FaceMaterial) if each not in {*kinds_of(GivenMaterial), *OF_BONDS}
+]
 USUAL = Numerics()
 TAIL_LINES = 20
 KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was killed
@@ -132,15 +134,12 @@ def _refusals(engine: Engine, assembly: Assembly, loads: Loads | None) -> Iterat
         yield f"pieces are {kinds[0]}; this engine models only {kinds[1]} pieces"
     for face in assembly.faces:
         law, inner = face.material, face.kind is Kind.INNER
-        for name in sorted(NOT_GIVEN):
+        for name in NOT_GIVEN:
             if value := getattr(law, name):
                 yield f"{face.name} has a {name} of {value:g}; it must be 0"
-        other = inner and law.friction_in_bonds not in (0.0, law.friction)
-        if other and Ability.BOND_FRICTION not in engine.abilities:
-            yield (
-                f"{face.name} has a bond_friction of {law.friction_in_bonds:g}; it must be 0 or "
-                f"{law.friction:g}, the friction"
-            )
+        if inner and law.needs_in_bonds and Ability.BOND_FRICTION not in engine.abilities:
+            given = f"{face.name} has a bond_friction of {law.friction_in_bonds:g}"
+            yield f"{given}; it must be {law.needs_in_bonds}"
         unequal = law.normal_stiffness != law.shear_stiffness
         if inner and unequal and Ability.TWO_STIFFNESSES not in engine.abilities:
             yield (

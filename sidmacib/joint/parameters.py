@@ -113,7 +113,7 @@ def value_at(joint: Joint, place: str) -> Any:
     """The value of a field such as ``inner.cohesion``; None where ``joint`` has no such part."""
     part, _, field = place.rpartition(".")
     value = getattr(owner := getattr(joint, part) if part else joint, field, None)
-    if value is None and isinstance(owner, FaceMaterial):  # it is that of another field
+    if value is None and isinstance(owner, FaceMaterial):  # bonds with the friction of the face
         return owner.friction_in_bonds
     return value
 

@@ -69,6 +69,13 @@ class FaceMaterial:
         """The coefficient mu_b by which compression raises the shear strength of a bond."""
         return self.friction if self.bond_friction is None else self.bond_friction
 
+    @property
+    def needs_in_bonds(self) -> str | None:
+        """What ``bond_friction`` must be where bonds have one friction or none; None if it is."""
+        if self.friction_in_bonds in (0.0, self.friction):
+            return None
+        return f"0 or {self.friction:g}, the friction" if self.friction else "0"
+
 
 SOFTENED = ("residual", "fracture_energy")  # numbers of bonds that soften
 OF_BONDS = (*SOFTENED, "bond_friction")  # of no use on dry faces

@@ -42,13 +42,14 @@ def require_row(joint: Joint) -> None:
         _require_known(prefix, part)
     if joint.elastic is not None:
         _require_known("elastic.", joint.elastic)
-    bond, rubs = joint.inner, joint.inner.friction_in_bonds
+    bond = joint.inner
+    of_bond = bond.friction_in_bonds
     faults = (
         (joint.locks < 2, "locks", joint.locks, "at least 2"),
         (bool(joint.different), "different", "locks that differ", "none"),
         (joint.upper_body is UpperBody.JOINED, "upper_body", "joined", "columns or monolithic"),
         (bond.friction > 0.0, "inner.friction", f"{bond.friction:g}", "0"),
-        (rubs > 0.0, "inner.bond_friction", f"{rubs:g}", "0"),
+        (of_bond > 0.0, "inner.bond_friction", f"{of_bond:g}", "0"),
         (bond.cohesion == 0.0, "inner.cohesion", 0, "more than 0"),
         (bond.tensile_strength == 0.0, "inner.tensile_strength", 0, "more than 0"),
     )

@@ -8,7 +8,6 @@ forces over displacements beside curves that were measured.
 """
 
 import argparse
-import statistics
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from typing import Annotated, Any, Self
 
 import pandas as pd
 from matplotlib.figure import Figure
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from sidmacib.answers.ask import limit_of
 from sidmacib.answers.structure import static_answer
@@ -40,6 +39,7 @@ WALLS = Table(
     ("campaign", "specimen", "direction"),
 )
 PUSHED, PULLED = "+", "-"
+Load = Annotated[float, Number(above=0, unit="N")]
 
 
 class Specimen(Section):
@@ -47,7 +47,7 @@ class Specimen(Section):
 
     kind: Text
     """the changes of the file that it needs"""
-    loads: tuple[Annotated[float, Number(above=0, unit="N")], ...]
+    loads: Annotated[tuple[Load, ...], Field(min_length=1, max_length=2)]
     """the largest load in each direction in which it was pushed"""
     failure: Text
     """as reported"""
@@ -167,7 +167,7 @@ def compared(table: pd.DataFrame) -> Figure:
 def followed(curves: pd.DataFrame, every: Mapping[str, tuple[Campaign, Any]]) -> Figure:
     """Forces over displacements: measured, and the path of the static model to its peak."""
     shown = [name for name, (campaign, _) in every.items() if _kinds(campaign, curves)]
-    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    figure = Figure(figsize=(10.5, 4.3), layout="constrained")
     for number, name in enumerate(shown, start=1):
         axes = figure.add_subplot(1, len(shown), number)
         campaign, found = every[name]
@@ -181,15 +181,16 @@ def followed(curves: pd.DataFrame, every: Mapping[str, tuple[Campaign, Any]]) ->
         axes.set(title=f"{name}: measured, computed (dashed)", xlim=(0, 25))
         axes.set(xlabel="displacement (mm)", ylabel="force (kN)")
         axes.set_ylim(0, None)
-        axes.legend(loc="lower right", fontsize=8)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, fontsize=8)
     return figure
 
 
 def _kinds(campaign: Campaign, curves: pd.DataFrame) -> dict[str, list[str]]:
     """Specimens with a curve, by their kind."""
     found: dict[str, list[str]] = {}
+    known = set(curves["specimen"])
     for name, specimen in campaign.specimens.items():
-        if name in set(curves["specimen"]):
+        if name in known:
             found.setdefault(specimen.kind, []).append(name)
     return found
 
@@ -209,20 +210,17 @@ def in_markdown(results: Path) -> str:
     return markdown([*head, "measured / static"], lines)
 
 
-def in_a_line(results: Path) -> str:
-    """Measured over static in words: how many, mean, standard deviation, least and largest."""
-    parts = []
+def in_short(results: Path) -> str:
+    """Measured over static for a page: a row for each campaign."""
+    lines = []
     for campaign, part in table_in(results, WALLS).groupby("campaign", sort=False):
-        ratio = list(part["measured_over_static"])
-        words = f"{campaign}: {len(ratio)} load" + ("s" if len(ratio) > 1 else "")
-        words += f" of {part['specimen'].nunique()} walls" if len(ratio) > 1 else ""
-        if len(ratio) > 1:
-            words += f", mean {statistics.mean(ratio):.2f} ± {statistics.stdev(ratio):.2f}"
-            words += f", {min(ratio):.2f} to {max(ratio):.2f}"
-        else:
-            words += f", {ratio[0]:.2f}"
-        parts.append(words)
-    return "Measured over computed: " + "; ".join(parts) + "."
+        ratio = part["measured_over_static"]
+        counts = str(part["specimen"].nunique()), str(len(ratio))
+        spread = f" ± {ratio.std():.2f}" if len(ratio) > 1 else ""
+        mean = f"{ratio.mean():.2f}{spread}"
+        lines.append([str(campaign), *counts, mean, f"{ratio.min():.2f} to {ratio.max():.2f}"])
+    head = ["walls", "tested", "measured loads", "measured / static, mean", "least to largest"]
+    return markdown(head, lines)
 
 
 def sources(_: Path) -> str:
@@ -241,7 +239,7 @@ def sources(_: Path) -> str:
     )
 
 
-BLOCKS = {"walls-measured": in_markdown, "walls-line": in_a_line, "walls-sources": sources}
+BLOCKS = {"walls-measured": in_markdown, "walls-short": in_short, "walls-sources": sources}
 
 
 def main() -> None:
@@ -263,7 +261,7 @@ def main() -> None:
     compared(table).savefig(to / "figures/measured.png", dpi=150, metadata={"Software": None})
     curves = pd.read_csv(HERE / "curves.csv")
     followed(curves, every).savefig(to / "figures/curves.png", dpi=150, metadata={"Software": None})
-    print(in_a_line(to))
+    print(in_short(to))
     print(f"Table: {to}/tables/walls.csv; figures: {to}/figures")
 
 
