@@ -17,7 +17,7 @@ from analysis.published import read_published
 from analysis.summary import answers, rule_errors
 from analysis.summary.summary import leading_models, summary
 from analysis.tables import load_errors, winner
-from analysis.tables.capacity import envelope_rows
+from analysis.tables.capacity import demand_rows, envelope_rows
 from analysis.tables.collect import (
     cases_table,
     displacements_at,
@@ -34,7 +34,7 @@ from workflow.configuration import read_study
 from workflow.results import record_without_result
 from workflow.results.joint_part import JointRecord
 from workflow.results.tables import CAPACITY, CASES, WEIGHTS, TableError, read_table, write_table
-from workflow.schema import Study
+from workflow.schema import DemandSection, Study
 
 
 @pytest.fixture
@@ -287,6 +287,31 @@ def test_of_joints_of_ones_own_what_they_carry_is_answered_first() -> None:
     known = "What does each joint carry? By the safe rule, V (N) or M (N m): mine V "
     assert first.startswith(f"{known}{shear:.4g}, M ")
     assert not any(line.startswith("What does") for line in others)
+
+
+def test_a_study_says_first_whether_its_joints_carry_the_load_it_asks_for() -> None:
+    """With the numbers of `multilock capacity` for the same joint and load."""
+    demand = {"shear": 200.0, "eccentricity": 0.2}
+    samples = {"mine": {"locks": 4, "a": 0.08}, "small": {"locks": 3}}
+    study = study_of(samples=samples, demand=demand)
+    rows = pd.DataFrame(demand_rows(study, DemandSection(**demand))).set_index("sample")
+    carried = {name: safe(study.joint(name), Direction(0.2)).shear / 200.0 for name in samples}
+    assert rows["factor"].to_dict() == pytest.approx(carried)
+    assert rows["required_torque_Nm"].to_dict() == {"mine": pytest.approx(3.2), "small": 2.4}
+    tables = {**tables_for(study), "demands": rows.reset_index()}
+    first, second, *_ = summary("there", tables, [0.02, 0.01]).splitlines()
+    assert first == "Does each joint carry the load? No: small does not"
+    words = f"with a factor of {carried['mine']:.3g} by the safe rule"
+    assert f"mine Yes: it carries V = 200 N, M = 3.2 N m {words}" in second
+
+
+@pytest.mark.parametrize(
+    ("demand", "why"),
+    [({}, "must be given"), ({"torque": 2.0, "eccentricity": 0.1}, "beside shear alone")],
+)
+def test_a_load_that_contradicts_itself_is_refused(demand: dict[str, float], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        study_of(demand=demand)
 
 
 def test_the_first_ten_lines_tell_what_to_design_for(lines: list[str]) -> None:

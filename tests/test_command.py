@@ -14,13 +14,14 @@ from joints import sawn
 
 from analysis.drawing import label_of
 from sidmacib import Elastic, law, lock_weights, lowest_peak, pairs_of, safe, sensitivity
-from sidmacib.command.answers import MODELS, capacity_rows
+from sidmacib.command.answers import capacity_rows
 from sidmacib.command.main import main
 from sidmacib.command.options import GROUPS, Grouped
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.engines import ENGINES
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
+from sidmacib.models.joint_answers import MODELS
 
 SAWN = "--upper-body", "columns"
 
@@ -108,7 +109,7 @@ def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
     assert "<svg" in text
     answers("capacity", *flags, "--picture", str(picture))
     assert picture.read_text() == text
-    rows = capacity_rows(Joint(3), [0.0, 0.3, math.inf], {"safe": MODELS["safe"]}, Push.PLUS_Y)
+    rows, _ = capacity_rows(Joint(3), [0.0, 0.3, math.inf], {"safe": MODELS["safe"]}, Push.PLUS_Y)
     (axes,) = curves(rows, "three", "", joined=False).axes
     (points,) = axes.lines
     assert (points.get_linestyle(), points.get_marker()) == ("None", "o")

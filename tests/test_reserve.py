@@ -238,13 +238,39 @@ def tower(height: float, **more: Any) -> dict[str, Any]:
     return {"blocks": {"g": ground, "t": {"low": low, "high": high}}, "interfaces": law, **more}
 
 
-def test_of_bonded_blocks_the_first_bond_that_fails_is_said_not_limit_analysis(path: Path) -> None:
-    """Limit analysis, with frictionless bonds, has nothing to say of when they fall."""
-    bond = {"friction": 0.6, "cohesion": 1e3, "tensile_strength": 1e3}
+@pytest.mark.parametrize(
+    ("strength", "words"),
+    [
+        (1e6, "Yes: it stands; its first bond fails at "),
+        (1e3, "Yes: it stands with dry joints; it falls at 0.6 g towards (1, 0)"),
+    ],
+)
+def test_bonds_count_in_the_reserve_where_they_carry_more_than_dry_joints(
+    path: Path, strength: float, words: str
+) -> None:
+    bond = {"friction": 0.6, "cohesion": strength, "tensile_strength": strength}
     code, verdict, rows = said(path, {**CUBE, "interfaces": bond}, "--reserve")
     assert code == 0
-    assert verdict.startswith("Yes: it stands; its first bond fails at ")
-    assert rows[-1]["note"] == "first failure of a bond"
+    assert verdict.startswith(words)
+    dry = strength < 1e6
+    assert ("with bonds, the first fails at 0.232 g" in verdict) is dry
+    assert rows[-1]["note"] == ("the peak" if dry else "first failure of a bond")
+
+
+def test_blocks_whose_bonds_fail_under_their_weight_may_stand_with_dry_joints(path: Path) -> None:
+    """A stack whose upper block hangs over: the same answer as without bonds."""
+    blocks = {
+        "ground": {"low": [-1, -1, -0.5], "high": [2, 2, 0], "fixed": True},
+        "a": {"low": [0, 0, 0], "high": [0.5, 0.5, 0.8]},
+        "b": {"low": [0.22, 0, 0.8], "high": [0.72, 0.5, 1.4]},
+    }
+    bond = {"friction": 0.6, "cohesion": 3e3, "tensile_strength": 500.0}
+    _, of_dry, dry = said(path, {"blocks": blocks, "interfaces": {"friction": 0.6}}, "--reserve")
+    code, of_bonds, bonded = said(path, {"blocks": blocks, "interfaces": bond}, "--reserve")
+    assert code == 0
+    assert of_bonds.endswith("; with bonds, the bond of ground-a fails under its own weight")
+    assert of_bonds.replace(" with dry joints", "").startswith(of_dry)
+    assert bonded[-1]["value"] == pytest.approx(dry[-1]["value"], rel=1e-3)
 
 
 SOFT = {"normal_stiffness": 2e7, "shear_stiffness": 2e7}

@@ -18,7 +18,8 @@ from analysis.report import finding
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
 from analysis.tables.structures import structures_table, verdicts_table
-from sidmacib.answers.answer import LIMIT, STATIC, Answer, of_static
+from sidmacib.answers.answer import LIMIT, STATIC, Answer
+from sidmacib.answers.said import of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.verdict import verdict
 from sidmacib.command import structures

@@ -17,8 +17,8 @@ from werkzeug.exceptions import NotFound
 
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from analysis.explore.state import Figure, compared
-from sidmacib.answers.answer import Limit, Static
 from sidmacib.answers.ask import Solved, limit_of, static_of
+from sidmacib.answers.said import Limit, Static
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
 from sidmacib.command.assembly import case_rows

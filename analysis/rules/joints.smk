@@ -31,12 +31,13 @@ rule capacity:
     output:
         capacity=shown("tables/capacity.csv"),
         envelopes=shown("tables/envelopes.csv"),
+        **{"demands": shown("tables/demands.csv")} if STUDY.demand is not None else {},
     log:
         below("logs/capacity.log"),
     group:
         "tables"
     params:
-        study=lambda wildcards: STUDY.part(),
+        study=lambda wildcards: STUDY.part("demand"),
         code=code("analysis.tables.capacity", files=PUBLISHED),
     message:
         "Solve SiDMACIB and tabulate all capacities"
@@ -113,3 +114,6 @@ REPORT_INPUTS |= {
     "best_fit": rules.comparisons.output.best_fit,
     "variants": rules.comparisons.output.variants,
 }
+if STUDY.demand is not None:
+    SUMMARY_INPUTS["demands"] = rules.capacity.output.demands
+    REPORT_INPUTS["demands"] = rules.capacity.output.demands

@@ -31,6 +31,7 @@ DESIGN = {
     "design": ("design resistance", "With the scatter and gamma_M of the study"),
     "safe": ("safe load", "By the safe rule"),
 }
+DEMANDED = "Does each joint carry the load?"
 CARRIED = "What does each joint carry?"
 SHOWN = 6  # samples in one answer
 
@@ -160,6 +161,8 @@ def answers(
     found = [*_answers(tables, leading, mesh)]
     if tables["validation"].empty:
         found.sort(key=lambda each: each.question != CARRIED)
+    if "demands" in tables:
+        found.insert(0, _demanded(tables["demands"]))
     found = [each for each in found if each.answer or each.by_sample]
     without = tables["cases"]["error"].notna()
     if without.any():
@@ -271,6 +274,14 @@ def of_leading(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
     """The rows of each sample's ``leading`` model at a ``mesh`` (m)."""
     own = table["model"].eq(table["sample"].map(leading))
     return table[own & np.isclose(table["mesh_m"], mesh)]
+
+
+def _demanded(demands: pd.DataFrame) -> Question:
+    """Whether each joint carries the load that the study asks for."""
+    verdicts = {row.sample: str(row.verdict) for row in demands.itertuples()}
+    lost = [row.sample for row in demands.itertuples() if not row.carried]
+    words = f"No: {listed(lost)} {'does' if len(lost) == 1 else 'do'} not" if lost else "Yes"
+    return Question(DEMANDED, words, verdicts, "is the load carried?")
 
 
 def _design(capacity: pd.DataFrame, *, own: bool) -> Iterator[Question]:

@@ -13,13 +13,14 @@ from sidmacib.contact_points.envelope import envelope
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
-from sidmacib.models import LAWS, MODELS, detailed
+from sidmacib.models import LAWS, MODELS, detailed, joint_answers
 from sidmacib.rule import RULES, LawCapacity
+from sidmacib.rule.inverse import Demand
 from sidmacib.rule.reliability import Reliability, resistances
 from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
-from workflow.results.tables import CAPACITY, ENVELOPES, read_tables, write_tables
-from workflow.schema import Study
+from workflow.results.tables import CAPACITY, DEMANDS, ENVELOPES, read_tables, write_tables
+from workflow.schema import DemandSection, Study
 from workflow.step import Arguments, Files, step
 
 
@@ -162,12 +163,45 @@ def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> 
     return pd.concat([of_cases, pd.DataFrame(rows, columns=list(CAPACITY.columns))])
 
 
+def demand_rows(study: Study, given: DemandSection) -> Iterator[dict[str, Any]]:
+    """Whether each sample carries the ``given`` load, as `multilock capacity` says."""
+    reliability = Reliability(study.reliability.scatter, study.reliability.gamma_m)
+    demand = Demand(given.shear or 0.0, given.torque or 0.0, given.eccentricity, reliability)
+    models = {
+        "safe": joint_answers.MODELS["safe"],
+        **joint_answers.resistances(reliability, decides=True),
+    }
+    for sample in study.samples:
+        joint = study.joint(sample)
+        direction, load = demand.direction(joint), demand.load(joint)
+        push = study.assembly.push
+        answers = {
+            name: joint_answers.answer_of(name, model, joint, direction, push)
+            for name, model in models.items()
+        }
+        found = joint_answers.joint_verdict(demand, joint, answers)
+        yield {
+            "sample": sample,
+            "required_shear_N": load * direction.shear,
+            "required_torque_Nm": load * direction.torque * joint.a,
+            "carried": found.passes,
+            "open": found.open,
+            "factor": found.factor,
+            "decides": found.decides or None,
+            "verdict": str(found),
+        }
+
+
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the capacities and the envelopes."""
     study, tables = Study.model_validate_json(arguments["study"]), read_tables(inputs)
     capacity = capacity_table(study, tables["cases"], tables["weights"])
     envelopes = pd.DataFrame(envelope_rows(study), columns=list(ENVELOPES.columns))
-    write_tables({"capacity": capacity, "envelopes": envelopes}, outputs)
+    made = {"capacity": capacity, "envelopes": envelopes}
+    if study.demand is not None:
+        rows = demand_rows(study, study.demand)
+        made["demands"] = pd.DataFrame(rows, columns=list(DEMANDS.columns))
+    write_tables(made, outputs)
 
 
 if __name__ == "__main__":

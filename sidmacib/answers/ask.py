@@ -6,7 +6,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sidmacib.answers.answer import NO_DILATION, Answer, Limit, Static, of_limit, of_static
+from sidmacib.answers.answer import NO_DILATION, Answer
+from sidmacib.answers.said import Limit, Static, of_limit, of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.verdict import Verdict, governing, lower_first, verdict
 from sidmacib.errors import CapacityError, NoEquilibriumError, reason

@@ -29,7 +29,7 @@ from sidmacib.answers.structure_paths import (
     without_other_meshes,
 )
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.equilibrium import is_dry
@@ -44,7 +44,7 @@ from sidmacib.structure.analysis.limit import (
     short_of,
 )
 from sidmacib.structure.loads import naming_permanent
-from sidmacib.structure.structure import owners_of, refined
+from sidmacib.structure.structure import refined, with_dry_joints
 
 BEYOND = 1.001  # over the limit load: where a path ends that has no other end
 NOT_CRUSHED = "no interface is crushed"
@@ -64,7 +64,7 @@ def static_answer(
         if answer.counts.peak:
             return answer
         try:
-            dry = _of_model(_dry(problem), None)
+            dry = _of_model(with_dry_joints(problem), None)
             if dry.load > answer.load:
                 return _of_dry_joints(answer, dry)
         except CapacityError:
@@ -106,24 +106,6 @@ def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) 
     alone = told(problem.loads, answer.load)
     why = f"{answer.counts.why}; limit analysis is below the static model alone, {alone}"
     return _limited(problem, answer, most, why)
-
-
-def _dry(problem: Problem) -> Problem:
-    """The problem without bonds; `CapacityError` for locks, which are nothing without them."""
-    assembly = problem.assembly
-    if owners_of(assembly) != list(range(len(assembly.pieces))):
-        raise CapacityError("locks need their bonds")
-    faces = tuple(
-        replace(
-            face,
-            kind=Kind.DRY,
-            material=replace(face.material, cohesion=0.0, tensile_strength=0.0),
-        )
-        if face.kind is Kind.INNER
-        else face
-        for face in assembly.faces
-    )
-    return problem._replace(assembly=replace(assembly, faces=faces))
 
 
 def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:

@@ -4,176 +4,20 @@ Models are imported where they are used: a solver takes longer to load than the 
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from sidmacib.engines import ENGINES
-from sidmacib.errors import CapacityError, reason
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.problem import Failures, checked_share
-from sidmacib.quantities import four_digits
+from sidmacib.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, Push
+from sidmacib.models.joint_answers import MODELS, Model, answer_of, joint_verdict
 
 if TYPE_CHECKING:
+    from sidmacib.answers.answer import Answer
     from sidmacib.answers.verdict import Verdict
-    from sidmacib.rule import LawCapacity
     from sidmacib.rule.inverse import Demand
-    from sidmacib.rule.reliability import Reliability
 
 Row = dict[str, Any]
-WORDS = {
-    **{"design": "the design resistance", "safe": "the safe rule", "law": "the law"},
-    **{"static": "the static model", "limit": "limit analysis", "sidmacib": "SiDMACIB"},
-    **{name: engine.label for name, engine in ENGINES.items()},
-}
-
-
-@dataclass(frozen=True)
-class Answer:
-    """A model's load (N) along a direction, None if it has none, and further results.
-
-    ``first_failure``: over the load; ``mesh_error``: of the load, over it; ``peak_spread``: see
-    `sidmacib.mechanics.static.peaks`.
-    """
-
-    load: float | None
-    note: str = ""
-    first_failure: float | None = None
-    mesh_error: float | None = None
-    peak_spread: float | None = None
-
-
-def usual_models(joint: Joint) -> tuple[str, ...]:
-    """The default models: those that answer at once."""
-    return ("safe", "law", "static") if joint.elastic is None else ("safe", "law")
-
-
-def _by_rule(
-    rule: "str | Callable[..., LawCapacity]",
-    margin: str,
-    failure: str,
-    joint: Joint,
-    direction: Direction,
-    push: Push,
-) -> Answer:
-    """The answer of a rule with its ``margin``, and the ``failure`` unless the joint moves away."""
-    from sidmacib.rule import RULES
-
-    found = (RULES[rule] if isinstance(rule, str) else rule)(joint, direction, push=push)
-    return Answer(found.load, "; ".join(filter(None, (margin, found.moves or failure))))
-
-
-def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.answers.joint import joint_answer, joint_mesh_error
-    from sidmacib.mesh_error import SETTLED
-
-    loading = Loading(direction, push=push)
-    found, error = joint_answer(joint, loading), joint_mesh_error(joint, loading)
-    late = "" if error is None or error <= SETTLED else "; not converged: use the first failure"
-    return Answer(found.load, found.why + late, found.first_failure, error, found.solution.spread)
-
-
-def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.answers.joint import meshes
-    from sidmacib.mechanics.limit import limit_load
-
-    problem = posed(joint, Loading(direction, push=push), meshes(joint)[1])
-    return Answer(float(limit_load(*problem).load), "ductile bonds, no friction")
-
-
-def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.contact_points import OPTIONS, active
-    from sidmacib.contact_points.programme import Sidmacib, capacity
-    from sidmacib.rule.pairs import bearing_pairs
-
-    counted = bearing_pairs(joint, push)
-    model = Sidmacib(joint, OPTIONS["option4"], active(joint, counted), friction=False)
-    note = f"Option 4, {counted} locks count; assumed points"
-    return Answer(capacity(model, direction).load, note)
-
-
-def _engine(joint: Joint, direction: Direction, push: Push, name: str) -> Answer:
-    from sidmacib.answers.joint import meshes
-    from sidmacib.engines.results import disagreement
-    from sidmacib.engines.run import EngineError, engine_outcome
-
-    engine, loading = ENGINES[name], Loading(direction, push=push)
-    problem = posed(joint, loading, meshes(joint)[1])
-    try:
-        found = engine_outcome(engine, problem)
-    except EngineError as error:
-        raise CapacityError(error.in_short) from None
-    checked_share(problem, found)
-    load, first = found.state.load, found.first_failure_load
-    peak = None if engine.first_failure_only else load
-    notes = [f"failure mode: {found.mode}", f"{engine.label} {engine.version()}"]
-    if static := _static_failures(joint, loading, peak is None):
-        notes.append(disagreement(peak, first, static))
-    first = None if first is None else first / load
-    return Answer(load, "; ".join(filter(None, notes)), first)
-
-
-def _static_failures(joint: Joint, loading: Loading, first_only: bool) -> Failures | None:
-    """First failure and peak (N) of the static model on the engines' nodes; None if it has none.
-
-    ``first_only``: without the peak, which takes minutes for elastic blocks.
-    """
-    from sidmacib.answers.joint import joint_answer, meshes
-    from sidmacib.mechanics.static import static_first_failure
-
-    try:
-        if first_only:
-            first = static_first_failure(*posed(joint, loading, meshes(joint)[1])).point.load
-            return Failures(float(first), math.nan)
-        found = joint_answer(joint, loading)
-    except ERRORS:
-        return None
-    return Failures(float(found.solution.first_failure_load), found.load)
-
-
-Model = Callable[[Joint, Direction, Push], Answer]
-ERRORS = (CapacityError, ValueError, ArithmeticError)  # of models that have no answer
-MODELS: dict[str, Model] = {
-    "safe": partial(_by_rule, "safe", "margin for the model", ""),
-    "law": partial(_by_rule, "law", "", "first failure"),
-    "static": _static,
-    "limit": _limit,
-    "sidmacib": _sidmacib,
-    **{name: partial(_engine, name=name) for name in ENGINES},
-}
-
-
-def resistances(reliability: "Reliability", *, decides: bool) -> dict[str, Model]:
-    """Characteristic and design resistance, of those that ``reliability`` asks for.
-
-    ``decides``: whether one of them has to say if a load is carried.
-    """
-    from sidmacib.rule.reliability import resistances as asked
-
-    words = {
-        "characteristic": ("", "5 % fractile of the first failure"),
-        "design": (f"gamma_M {reliability.partial_factor:g} and the safe rule's margin", ""),
-    }
-    rules = asked(reliability, decides=decides).items()
-    return {name: partial(_by_rule, rule, *words[name]) for name, rule in rules}
-
-
-def meaning(reliability: "Reliability", joint: Joint) -> Iterator[str]:
-    """What the strengths and the upper block of ``joint`` are taken for, in a line each."""
-    factored = reliability.partial_factor != 1.0
-    if reliability.variation:
-        words = f"Strengths are means with a scatter of {100.0 * reliability.variation:g} %"
-        yield f"{words}." if factored else f"{words}; no gamma_M is given."
-    elif factored:
-        yield "Strengths are taken as characteristic values."
-    else:
-        words = "Strengths are taken as design values"
-        yield f"{words}; if they are means, give --scatter and --gamma-m."
-    if joint.upper_body is UpperBody.COLUMNS and joint.locks > 1:
-        yield "The upper block is cut into columns, as in the paper."
 
 
 def capacity_rows(
@@ -182,63 +26,38 @@ def capacity_rows(
     models: Mapping[str, Model],
     push: Push,
     progress: Callable[[str], object] = str,
-) -> list[Row]:
+    demand: "Demand | None" = None,
+) -> "tuple[list[Row], Verdict | None]":
     """Shear and torque that each model gives, in each direction e / a.
 
     A model that refuses the joint has a note in place of a load. ``progress`` is told what is
-    computed next.
+    computed next. ``demand``: a load in the one direction; rows then have the factor on it, and
+    there is a verdict.
     """
     rows: list[Row] = []
+    answers: dict[str, Answer] = {}
     for ratio, name in product(ratios, models):
         direction = Direction(ratio)
         place = f"{len(rows) + 1} of {len(ratios) * len(models)}"
         progress(f"{place}: {name}, e/a = {ratio:g}")
-        try:
-            answer = models[name](joint, direction, push)
-        except ERRORS as error:
-            answer = Answer(None, reason(error))
-        load = answer.load
+        answers[name] = answer = answer_of(name, models[name], joint, direction, push)
+        load, failures = answer.value, answer.failures
+        needed = None if demand is None else demand.load(joint)
+        factor = {} if needed is None else {"factor": load and load / needed}
         rows.append(
             {
                 "e/a": "torsion" if math.isinf(ratio) else ratio,
                 "model": name,
                 "V (N)": None if load is None else load * direction.shear,
                 "M (N m)": None if load is None else load * direction.torque * joint.a,
-                "first failure / load": answer.first_failure,
+                **factor,
+                "first failure / load": failures.first / load if failures and load else None,
                 "mesh error / load": answer.mesh_error,
-                "peak spread": answer.peak_spread,
+                "peak spread": answer.spread,
                 "note": answer.note,
             }
         )
-    return rows
-
-
-def with_factors(
-    rows: Sequence[Row], demand: "Demand", joint: Joint
-) -> "tuple[list[Row], Verdict]":
-    """The ``rows`` with factors on the load of ``demand``, and the verdict.
-
-    The design resistance decides, else the safe rule, else the first model that was asked.
-    """
-    from sidmacib.answers.verdict import Verdict, by_factors, factor_of
-
-    direction, load = demand.direction(joint), demand.load(joint)
-    shear, torque = load * direction.shear, load * direction.torque * joint.a
-    key, needed = ("V (N)", shear) if shear else ("M (N m)", torque)
-    found: dict[str, Row] = {}
-    for row in rows:
-        loads = {name: row[name] for name in ("e/a", "model", "V (N)", "M (N m)")}
-        factor = None if row[key] is None else row[key] / needed
-        found[row["model"]] = {**loads, "factor": factor, **row}
-    name = next(name for name in ("design", "safe", *found) if name in found)
-    factor, by = found[name]["factor"], WORDS[name]
-    if factor is None:
-        words = f"{by} has no answer: {found[name]['note']}"
-        return [*found.values()], Verdict(load, False, words, open=True)
-    both = (("V", shear, "N"), ("M", torque, "N m"))
-    what = ", ".join(f"{k} = {four_digits(size)} {unit}" for k, size, unit in both if size)
-    words = by_factors(what, factor, f"{factor_of(factor)} by {by}")
-    return [*found.values()], Verdict(load, factor >= 1.0, words, decides=by, factor=factor)
+    return rows, None if demand is None else joint_verdict(demand, joint, answers)
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
@@ -316,7 +135,7 @@ def law_rows(joint: Joint, push: Push) -> list[Row]:
         ("transfer length", length, length_words),
     ]
     rules = {name: MODELS[name] for name in ("law", "safe")}
-    for row in capacity_rows(joint, [0.0], rules, push):
+    for row in capacity_rows(joint, [0.0], rules, push)[0]:
         load = row["V (N)"]
         working = None if load is None else load / joint.T0
         results.append((f"effective locks, {row['model']}", working, row["note"]))

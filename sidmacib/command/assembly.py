@@ -32,6 +32,7 @@ from sidmacib.structure.analysis.reserve import Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand, demands_of, notes_on
 from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
+from sidmacib.structure.structure import with_dry_joints
 from sidmacib.validation import refused
 
 ALONG_X: Vector = (1.0, 0.0, 0.0)
@@ -250,6 +251,8 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
         said = "No" if isinstance(error, InfeasibleError) else "Open"
         rows = table(("limit", "stands", None, str(error)))
         return rows, f"{said}: {lower_first(str(error))}", False, ALONG_X
+    if found.bonds:
+        problem = with_dry_joints(problem)
     dry = is_dry(problem.assembly)
     note = _factor_note(found.factor, dry=dry)
     cells = [("limit", "geometrical safety factor", found.factor, note)]
@@ -265,7 +268,8 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
             note = f"{assumes(problem.assembly)}; {tilt}{moves}"
             what = f"{name} acceleration (g), towards {_way(push.direction)}"
             cells.append(("limit", what, push.acceleration, note))
-    cells.append(("static", "stands", None, found.static or "in equilibrium"))
+    stands = f"with dry joints; {found.bonds}" if found.bonds else "in equilibrium"
+    cells.append(("static", "stands", None, found.static or stands))
     if found.followed is not None:
         least = found.followed
         what = f"least horizontal acceleration (g), towards {_way(least.direction)}"
@@ -288,6 +292,8 @@ def _factor_note(factor: float | None, *, dry: bool) -> str:
 
 def _stands(found: Reserve, *, dry: bool) -> str:
     words, push, followed = "it stands", found.least, found.followed
+    if found.bonds:
+        words += " with dry joints"
     if found.factor is not None:
         words += f", with a geometrical safety factor of {found.factor:.3g}"
     if followed and (not dry or push is None or followed.acceleration < push.acceleration):
@@ -300,7 +306,9 @@ def _stands(found: Reserve, *, dry: bool) -> str:
         words += f"; it falls at {push.acceleration:.3g} g towards {_way(push.direction)}{tilt}"
         if followed is None:
             words += " in limit analysis, which may overestimate"
-    return f"{words}; the static model: {found.static}" if found.static else words
+    if found.static:
+        words += f"; the static model: {found.static}"
+    return f"{words}; {found.bonds}" if found.bonds else words
 
 
 def _way(direction: Vector) -> str:

@@ -7,18 +7,7 @@ from typing import Any
 
 import click
 
-from sidmacib.command.answers import (
-    MODELS,
-    Row,
-    capacity_rows,
-    effect_rows,
-    law_rows,
-    meaning,
-    resistances,
-    usual_models,
-    weight_rows,
-    with_factors,
-)
+from sidmacib.command.answers import Row, capacity_rows, effect_rows, law_rows, weight_rows
 from sidmacib.command.blocks import assembly, build, design
 from sidmacib.command.options import (
     LOAD,
@@ -48,6 +37,7 @@ from sidmacib.command.output import (
 from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint import Direction
 from sidmacib.joint.loading import Push
+from sidmacib.models.joint_answers import MODELS, meaning, resistances, usual_models
 from sidmacib.quantities import Number
 from sidmacib.validation import plain
 
@@ -182,7 +172,7 @@ def capacity(
     if note is not None and len(directions) > 1:
         raise click.UsageError("--note: needs one direction, -e once")
     with status_line() as progress:
-        rows = capacity_rows(joint, directions, asked, Push(push), progress)
+        rows, verdict = capacity_rows(joint, directions, asked, Push(push), progress, demand)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint), joined=False), picture)
     if note is not None:
@@ -192,8 +182,7 @@ def capacity(
         write_note(Case(joint, Direction(directions[0]), Push(push), reliability, needed), note)
     told = [*meaning(reliability, joint)]
     about: Row = {"input": {**plain(joint), "push": push}, "notes": told}
-    if demand is not None:
-        rows, verdict = with_factors(rows, demand, joint)
+    if demand is not None and verdict is not None:
         say(str(verdict), form)
         direction, load = demand.direction(joint), demand.load(joint)
         about["required V (N)"] = load * direction.shear
@@ -219,7 +208,7 @@ def envelope(
     joint = joint_of(flags)
     asked = {name: MODELS[name] for name in models or ("safe", "law")}
     with status_line() as progress:
-        rows = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress)
+        rows, _ = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     click.echo(text_of(rows, form))

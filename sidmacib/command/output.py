@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sidmacib.command import FAULT
-from sidmacib.command.answers import ERRORS, Row
+from sidmacib.command.answers import Row
 from sidmacib.drawing import BLUE, ORANGE, vm_axes, vm_curve, write_figure
 from sidmacib.errors import CapacityError, reason
 from sidmacib.joint import Joint
 from sidmacib.models import MODELS
+from sidmacib.models.joint_answers import ERRORS
 from sidmacib.quantities import MEASURED_IN, four_digits
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from sidmacib.answers.answer import Limit, Static
 from sidmacib.answers.ask import Solved
+from sidmacib.answers.said import Limit, Static
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
 from sidmacib.command.output import cell, in_asked_units, in_asked_words

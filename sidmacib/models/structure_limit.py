@@ -1,6 +1,6 @@
 """Limit analysis of a structure, with associated friction."""
 
-from sidmacib.answers.answer import of_limit
+from sidmacib.answers.said import of_limit
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sidmacib.answers.answer import of_static
+from sidmacib.answers.said import of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import CRUSHING, StaticAnswer, bond_fails, followed
 from sidmacib.errors import CapacityError

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sidmacib.errors import CapacityError
 from sidmacib.joint.pieces import APART
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -16,6 +17,7 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
 )
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
+from sidmacib.problem import Problem
 from sidmacib.quantities import some_of
 from sidmacib.structure.blocks import Block, Compound, grouped, solids_of
 from sidmacib.structure.interfaces import (
@@ -260,3 +262,21 @@ def owners_of(assembly: Assembly) -> list[int]:
             if face.kind is Kind.INNER and is_lock[lock] and not is_lock[block]:
                 owners[lock] = block
     return owners
+
+
+def with_dry_joints(problem: Problem) -> Problem:
+    """The ``problem`` without bonds; `CapacityError` for locks, which are nothing without them."""
+    assembly = problem.assembly
+    if owners_of(assembly) != list(range(len(assembly.pieces))):
+        raise CapacityError("locks need their bonds")
+    faces = tuple(
+        replace(
+            face,
+            kind=Kind.DRY,
+            material=replace(face.material, cohesion=0.0, tensile_strength=0.0),
+        )
+        if face.kind is Kind.INNER
+        else face
+        for face in assembly.faces
+    )
+    return problem._replace(assembly=replace(assembly, faces=faces))

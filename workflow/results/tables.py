@@ -132,6 +132,15 @@ MEASURED = Table(
     ),
     ("number", "model", "variant"),
 )
+DEMANDS = Table(
+    "demands",
+    (
+        *("sample", "required_shear_N", "required_torque_Nm", "carried", "open", "factor"),
+        *("decides", "verdict"),
+    ),
+    ("sample",),
+    ("factor",),
+)
 ENVELOPES = Table(
     "envelopes",
     ("sample", "option", "friction", "vertex", "shear_N", "torque_Nm"),

@@ -148,6 +148,23 @@ class MeasuredLoad(Section):
         return shear, shear * arm
 
 
+class DemandSection(Section):
+    """A load that each joint must carry: V (N) and M (N m), or V at an eccentricity e / a."""
+
+    shear: _Force | None = None
+    torque: _Torque | None = None
+    eccentricity: Eccentricity | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if not (self.shear or self.torque):
+            raise ValueError("shear (N) or torque (N m) must be given, or both")
+        ratio = self.eccentricity
+        if ratio is not None and (self.torque or math.isinf(ratio)):
+            raise ValueError("eccentricity must be finite, and beside shear alone")
+        return self
+
+
 class MeasuredSection(Section):
     """Measured loads of one campaign; ``source``: where they stand, ``digitised``: how read."""
 
@@ -263,6 +280,7 @@ class Study(Section):
     samplings: dict[Name, SamplingSection] = Field(default_factory=dict)
     campaign: Campaign | None = None
     measured: MeasuredSection | None = None
+    demand: DemandSection | None = None
     structures: dict[Name, StructureSection] = Field(default_factory=dict)
 
     @model_validator(mode="after")

@@ -38,7 +38,7 @@ from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.loads import StructureLoads, free_weight, naming_permanent, pushed
-from sidmacib.structure.structure import refined
+from sidmacib.structure.structure import refined, with_dry_joints
 
 MOST = 100.0  # geometrical safety factor: beyond, there is no limit
 PRECISION = 1e-4  # of it, over itself
@@ -196,7 +196,8 @@ class Reserve:
     ``tried``: others. ``followed``: the least by the static model; None without an answer.
     ``static``: what the static model says against it, or nothing; ``falls``: whether that is that
     it does not stand, or that a bond fails. ``strength``: compressive strength over the strength
-    needed; None where there is none, or no limit.
+    needed; None where there is none, or no limit. ``bonds``: how far bonds reach, where the same
+    blocks with dry joints carry more: all else is then of these; else nothing.
     """
 
     factor: float | None
@@ -206,13 +207,33 @@ class Reserve:
     static: str
     falls: bool
     strength: float | None
+    bonds: str = ""
 
 
 def reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
     """The reserve of a structure; `CapacityError` if it does not stand in limit analysis.
 
-    ``tell`` is told what is found.
+    Where a bond fails first, that with dry joints, if they carry more. ``tell`` is told what is
+    found.
     """
+    found = _reserve(problem, tell)
+    first = found.followed
+    if not (found.falls or (first and first.bonds)) or is_dry(problem.assembly):
+        return found
+    try:
+        tell("with dry joints ...")
+        dry = _reserve(with_dry_joints(problem), tell)
+    except CapacityError:
+        return found
+    most = dry.followed
+    if dry.falls or (first and not (most and most.acceleration > first.acceleration)):
+        return found
+    fails = found.static if first is None else f"the first fails at {first.acceleration:.3g} g"
+    return replace(dry, bonds=f"with bonds, {fails}")
+
+
+def _reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
+    """The reserve with the bonds that there are; the rest as `reserve`."""
     assembly, loads = problem
     assert isinstance(loads, StructureLoads), "loads of a structure"
     with naming_permanent(loads):
