@@ -83,7 +83,9 @@ QUANTITIES = (
     Quantity(
         "an angle", "degrees", "15deg", {"deg": 1.0, "degrees": 1.0, "rad": math.degrees(1.0)}
     ),
-    Quantity("a time", "s", "90s", {"s": 1.0, "min": 60.0, "h": 3600.0}),
+    Quantity("a time", "s", "90s", {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}),
+    Quantity("a speed", "m/s", "0.2m/s", {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}),
+    Quantity("an acceleration", "m/s2", "0.3g", {"m/s2": 1.0, "cm/s2": 1e-2, "g": 9.81}),
 )
 MEASURED_IN = {quantity.unit: quantity for quantity in QUANTITIES}
 _OF = {unit: quantity for quantity in QUANTITIES for unit in quantity.units}

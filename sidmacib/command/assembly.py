@@ -10,8 +10,10 @@ from typing import Any
 import click
 
 from sidmacib.answers.ask import Solved, limit_of, static_of
+from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all
 from sidmacib.command.answers import Row
+from sidmacib.command.in_time import collapse_row, drift_picture, history_rows, time_rows
 from sidmacib.command.output import draw, require_answer, say, text_of, write_text
 from sidmacib.command.structures import (
     curve_rows,
@@ -32,9 +34,11 @@ from sidmacib.structure.analysis.reserve import Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand, demands_of, notes_on
 from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
+from sidmacib.structure.shaking import TimeLoads
 from sidmacib.structure.structure import with_dry_joints
 from sidmacib.validation import refused
 
+OF_LOADS = "interfaces", "compas", "capacity_curve", "report", "note"
 ALONG_X: Vector = (1.0, 0.0, 0.0)
 NO_LIMIT = "no limit: more than 100"
 
@@ -59,6 +63,8 @@ class Wanted:
     picture: Path | None
     report: Path | None
     note: Path | None
+    history: Path | None
+    collapse: bool
     engines: Sequence[str]
     notes: Sequence[str] = ()
 
@@ -131,6 +137,9 @@ def passes(wanted: Wanted) -> bool:
         return _reserve_passes(wanted, first)
     elif first.case is not None:
         return _cases_pass(wanted, demands)
+    if isinstance(first.problem.loads, TimeLoads):
+        return _stands_in_time(wanted, first.problem)
+    wanted.refuse("is for what acts in time: load.duration", "history", "collapse")
     if isinstance(first.problem.loads, SupportMotion):
         _answer_support(wanted, first.problem)
         return True
@@ -163,6 +172,25 @@ def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
     if not passes:
         note_turned(wanted.description, wanted.file.parent)
     return passes
+
+
+def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
+    """What happens in time, and at which factor on the ground motion the structure falls."""
+    wanted.refuse("must not be given where loads act in time", *OF_LOADS)
+    tell = telling(problem)
+    tell("steps in time ...")
+    answer = TimeAnswer.of(problem)
+    say(answer.words, wanted.form)
+    rows = time_rows(answer)
+    if wanted.collapse:
+        rows.append(collapse_row(problem, tell))
+    about = {"verdict": "yes" if answer.history.stands else "no", "answer": answer.words}
+    wanted.show(rows, **about)
+    if wanted.history is not None:
+        write_text(text_of(history_rows(answer), "csv") + "\n", wanted.history, "--history")
+    if wanted.picture is not None:
+        draw(drift_picture(answer, wanted.file.stem), wanted.picture)
+    return answer.history.stands
 
 
 def _answer_support(wanted: Wanted, problem: Problem) -> None:

@@ -85,6 +85,16 @@ GAP = Number(at_least=0, unit="m")
     "reactions, hinges, mechanism, into this file: .html. Needs multilock[report].",
 )
 @click.option(
+    "--history",
+    type=Written(),
+    help="Where loads act in time: write where each block is, 100 times a second, into this CSV.",
+)
+@click.option(
+    "--collapse",
+    is_flag=True,
+    help="Where the ground moves: find the factor on its motion at which the structure falls.",
+)
+@click.option(
     "-m",
     "--model",
     "engines",
@@ -104,7 +114,7 @@ def assembly(file: Path, **options: Any) -> None:
     limit: limit analysis with associated friction; may overestimate. static: raises the load on
     elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
     both report the largest angle in equilibrium. If a support moves: its reaction, and the movement
-    at which the structure falls.
+    at which the structure falls. If loads act in time: whether it stands, and how far blocks move.
 
     If the file says how many newtons are to be carried, the first line is the verdict, with
     factors; of several load cases, each has a line. Without a load: whether it stands, its

@@ -150,7 +150,7 @@ def force_at(
 
     ValueError unless there is such a piece that can move.
     """
-    number, along = _number(assembly, name, fixed=False), _unit(direction)
+    number, along = numbered(assembly, name, fixed=False), _unit(direction)
     always = permanent_only(assembly, beside)
     arms, variable = np.zeros((len(assembly.pieces), 3)), always.variable
     arms[number] = np.array(point, float) - assembly.pieces[number].centre
@@ -179,7 +179,7 @@ def support_moves(
     About the axis ``rotation``, one of the two; ``about``: a point of the axis (m), by default the
     centroid. ValueError unless there is such a piece.
     """
-    number = _number(assembly, name, fixed=True)
+    number = numbered(assembly, name, fixed=True)
     along, point = displacement, None
     if along is None:
         along, centre = rotation, assembly.pieces[number].centre
@@ -197,7 +197,7 @@ def permanent_force(
     assembly: Assembly, name: str, point: Sequence[float], direction: Sequence[float], size: float
 ) -> Permanent:
     """A permanent force of a ``size`` (N); other arguments and errors of `force_at`."""
-    number, force = _number(assembly, name, fixed=False), size * _unit(direction)
+    number, force = numbered(assembly, name, fixed=False), size * _unit(direction)
     arm = np.array(point, float) - assembly.pieces[number].centre
     return Permanent.of(len(assembly.pieces), number, arm[None], force[None])
 
@@ -219,7 +219,7 @@ def naming_permanent(loads: Loads) -> Iterator[None]:
         raise type(error)(str(error).replace(OWN, ALL)) from None
 
 
-def _number(assembly: Assembly, name: str, *, fixed: bool) -> int:
+def numbered(assembly: Assembly, name: str, *, fixed: bool) -> int:
     """Index of the piece called ``name``; ValueError unless it is there, and ``fixed`` or not."""
     names = [piece.name for piece in assembly.pieces]
     if name not in names:

@@ -332,9 +332,7 @@ class LoadCaseSection(CaseSection):
     """as under `permanent` of the file"""
 
 
-def load_warnings(
-    assembly: Assembly, pushed: Mapping[str, _Pushed | PermanentSection]
-) -> Iterator[str]:
+def load_warnings(assembly: Assembly, pushed: Mapping[str, Any]) -> Iterator[str]:
     """One line each for what looks wrong in loads, by their keys."""
     named = {piece.name: piece for piece in assembly.pieces if isinstance(piece, Block)}
     for key, each in pushed.items():

@@ -22,12 +22,14 @@ from sidmacib.structure.files.block_files import FileSection, Unit, metres, requ
 from sidmacib.structure.files.compas import DENSITIES
 from sidmacib.structure.files.loads import LoadCaseSection, LoadSection, PermanentSection
 from sidmacib.structure.files.selection import Between
+from sidmacib.structure.files.time_loads import TimeSection
 from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.validation import kinds_of
 
 INTERFACE = FaceMaterial(1e10, 1e10, friction=0.7, cohesion=0.0, tensile_strength=0.0)
 NUMBERS = tuple(name for name in kinds_of(FaceMaterial) if name not in SOFTENED)
 Positive = Annotated[float, Number(above=0)]
+OF_TIME = set(TimeSection.model_fields) - {"force", "newtons"}
 _Index = Annotated[int, Number(at_least=0, whole=True)]
 _Density = Annotated[float, DENSITIES]
 
@@ -241,6 +243,13 @@ def _block(value: Any) -> Any:
     return (FileSection if of_file else ShapeSection).model_validate(value)
 
 
+def _load(value: Any) -> Any:
+    if isinstance(value, Section):
+        return value
+    in_time = isinstance(value, Mapping) and OF_TIME & set(value)
+    return (TimeSection if in_time else LoadSection).model_validate(value)
+
+
 class StructureFile(Keys):
     """A structure of blocks and its load. Lengths are in m, forces in N, stresses in Pa."""
 
@@ -248,8 +257,8 @@ class StructureFile(Keys):
         dict[Label, Annotated[ShapeSection | FileSection, BeforeValidator(_block)]], Some
     ]
     """the blocks by name"""
-    load: LoadSection | None = None
-    """the load that is raised; without it `multilock assembly` says what is in reserve"""
+    load: Annotated[LoadSection | TimeSection, BeforeValidator(_load)] | None = None
+    """what is raised, or acts in time; without it `multilock assembly` says what is in reserve"""
     permanent: tuple[PermanentSection, ...] = ()
     """loads that always act, beside weight"""
     load_cases: Annotated[dict[Label, LoadCaseSection], Some] | None = None
@@ -270,9 +279,9 @@ class StructureFile(Keys):
     """the task of `multilock design`; the other commands ignore it"""
 
     @property
-    def pushed(self) -> dict[str, LoadSection | LoadCaseSection | PermanentSection]:
+    def pushed(self) -> dict[str, LoadSection | TimeSection | LoadCaseSection | PermanentSection]:
         """All loads by their keys."""
-        found: dict[str, LoadSection | LoadCaseSection | PermanentSection] = {}
+        found: dict[str, LoadSection | TimeSection | LoadCaseSection | PermanentSection] = {}
         if self.load:
             found["load"] = self.load
         found |= _numbered("permanent", self.permanent)

@@ -23,6 +23,7 @@ from sidmacib.structure.files.sections import (
     StructureFile,
 )
 from sidmacib.structure.files.selection import chosen_pairs
+from sidmacib.structure.files.time_loads import TimeSection
 from sidmacib.structure.interfaces import NEAR, Interface, in_order, interfaces, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
@@ -81,6 +82,8 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     if given.load is None:
         words = "; load_cases are for multilock assembly and studies" if given.load_cases else ""
         raise ValueError(f"load: missing; this key is required{words}")
+    if isinstance(given.load, TimeSection):
+        raise ValueError("load.duration: what acts in time is for multilock assembly only")
     (demand,) = demands_of(given, folder)
     return demand.problem
 
@@ -109,6 +112,8 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
         raise ValueError("load_cases: must not be given beside load")
     assembly = assembly_of(given, folder)
     always = permanent_on(assembly, given.permanent, given.tolerance)
+    if isinstance(given.load, TimeSection):
+        return (Demand(Problem(assembly, given.load.on(assembly, always, folder))),)
     if given.load is not None:
         problem = Problem(assembly, given.load.on(assembly, always))
         return (Demand(problem, given.load.amount(assembly)),)

@@ -1,0 +1,124 @@
+"""What happens to a structure in time: whether it stands, how far it moves, what fells it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sidmacib.dynamics.motion import FALLEN, SUNK, History, history
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.problem import Problem
+from sidmacib.quantities import four_digits
+from sidmacib.structure.shaking import TimeLoads
+
+STEEPEST = 64.0  # largest factor on the ground motion that is tried, and its inverse the least
+PRECISION = 0.01  # of the factor at which a structure falls
+LOOSE = 1e-2  # changes of impulses, over the largest one: more is said
+FELL = f"turned by {math.degrees(FALLEN):g} degrees, or sunk by {SUNK:g} of its least size"
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """How far a ``block`` has moved (m) or turned (rad), the farthest of all, at a time (s)."""
+
+    size: float
+    block: str
+    time: float
+
+
+@dataclass(frozen=True, eq=False)
+class TimeAnswer:
+    """What happens to the structure of a ``problem``."""
+
+    problem: Problem
+    history: History
+
+    @classmethod
+    def of(cls, problem: Problem) -> "TimeAnswer":
+        """`CapacityError` for bonds and condensed locks."""
+        assert isinstance(problem.loads, TimeLoads), "loads in time"
+        return cls(problem, history(problem.assembly, problem.loads))
+
+    @cached_property
+    def largest_shift(self) -> Extreme:
+        """Of a centroid from where it was built."""
+        return self._extreme(self.history.shift)
+
+    @cached_property
+    def largest_turn(self) -> Extreme:
+        """Of a block since it was built."""
+        return self._extreme(self.history.turn)
+
+    @cached_property
+    def last_shift(self) -> Extreme:
+        """As `largest_shift`, at the end."""
+        return self._extreme(self.history.shift, -1)
+
+    @cached_property
+    def last_turn(self) -> Extreme:
+        """As `largest_turn`, at the end."""
+        return self._extreme(self.history.turn, -1)
+
+    def _extreme(self, vectors: Floats, at: int | None = None) -> Extreme:
+        size = np.linalg.norm(vectors, axis=2)
+        if at is not None:
+            size = size[at:]
+        when, piece = np.unravel_index(int(size.argmax()), size.shape)
+        time = self.history.time[at if at is not None else when]
+        name = self.problem.assembly.pieces[int(piece)].name
+        return Extreme(float(size[when, piece]), name, float(time))
+
+    @property
+    def words(self) -> str:
+        """The answer in a line, with yes or no."""
+        first, end = self.history.first_fallen, float(self.history.time[-1])
+        if first is None:
+            moved, turned = self.largest_shift, self.largest_turn
+            return (
+                f"Yes: it stands for {end:g} s; {moved.block} moves most, by "
+                f"{four_digits(moved.size)} m, and {turned.block} turns most, by "
+                f"{four_digits(math.degrees(turned.size))} degrees"
+            )
+        name, time = self.problem.assembly.pieces[first].name, float(self.history.fallen[first])
+        return f"No: {name} falls first, at {time:g} s ({FELL})"
+
+    @property
+    def note(self) -> str:
+        """What the answer rests on."""
+        loose = self.history.left > LOOSE
+        doubt = f"; impulses are found to {100 * self.history.left:.2g} % only" if loose else ""
+        pressed = f"blocks reach into each other by {self.history.pressed:.2g} m at most"
+        return f"rigid blocks, inelastic impacts; {pressed}{doubt}"
+
+
+def falls_at(problem: Problem, tell: Callable[[str], object] = str) -> float | None:
+    """The factor on the ground motion at which the structure falls; None up to `STEEPEST`.
+
+    By doubling or halving until it falls or stands, and bisection in between. It may stand again at
+    larger factors, and fall at smaller ones that were not tried. ``tell`` is told what is found.
+    """
+    assembly, loads = problem
+    assert isinstance(loads, TimeLoads), "loads in time"
+
+    def stands(factor: float) -> bool:
+        found = history(assembly, loads, factor, until_it_falls=True).stands
+        tell(f"factor {factor:.4g}: {'stands' if found else 'falls'}")
+        return found
+
+    low = high = 1.0
+    if stands(1.0):
+        while high == low or stands(high):
+            low, high = high, 2.0 * high
+            if high > STEEPEST:
+                return None
+    else:
+        while high == low or not stands(low):
+            low, high = 0.5 * low, low
+            if low < 1.0 / STEEPEST:
+                return 0.0
+    while high - low > PRECISION * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stands(middle) else (low, middle)
+    return high

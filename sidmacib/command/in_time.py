@@ -1,0 +1,79 @@
+"""What the command `assembly` prints, writes and draws where loads act in time."""
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from sidmacib.answers.ask import Tell
+from sidmacib.answers.in_time import STEEPEST, TimeAnswer, falls_at
+from sidmacib.command.answers import Row
+from sidmacib.command.output import plot
+from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, OCHRE, ORANGE, PURPLE, SKY, VERMILION
+from sidmacib.problem import Problem
+
+MONOTONIC = "larger factors need not fell it, and smaller ones may"
+COLOURS = BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY  # of blocks
+
+
+def time_rows(answer: TimeAnswer) -> list[Row]:
+    """How far blocks move and turn, and what that rests on."""
+    degrees = math.degrees(1.0)
+    found = [
+        ("largest displacement (m)", 1.0, answer.largest_shift),
+        ("largest rotation (degrees)", degrees, answer.largest_turn),
+        ("displacement at the end (m)", 1.0, answer.last_shift),
+        ("rotation at the end (degrees)", degrees, answer.last_turn),
+    ]
+    rows: list[Row] = [
+        {
+            "what": what,
+            "value": unit * each.size,
+            "block": each.block,
+            "time (s)": each.time,
+            "note": "",
+        }
+        for what, unit, each in found
+    ]
+    rows[0]["note"] = answer.note
+    return rows
+
+
+def collapse_row(problem: Problem, tell: Tell) -> Row:
+    """The factor on the ground motion at which the structure falls."""
+    factor = falls_at(problem, tell)
+    note = MONOTONIC
+    if factor is None:
+        note = f"it stands up to {STEEPEST:g}"
+    elif not factor:
+        note = f"it falls down to 1 / {STEEPEST:g}"
+    name = "factor on the ground motion at which it falls"
+    return {"what": name, "value": factor or None, "block": "", "time (s)": None, "note": note}
+
+
+def history_rows(answer: TimeAnswer) -> list[Row]:
+    """Displacements and rotation vectors of all free blocks since they were built."""
+    found, names = answer.history, ["x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"]
+    both = np.concatenate([found.shift, found.turn], axis=2)
+    return [
+        {"time_s": float(time), "block": piece.name, **dict(zip(names, row.tolist(), strict=True))}
+        for time, rows in zip(found.time, both, strict=True)
+        for piece, row in zip(answer.problem.assembly.pieces, rows, strict=True)
+        if not piece.fixed
+    ]
+
+
+def drift_picture(answer: TimeAnswer, title: str) -> Figure:
+    """Displacements of the blocks that move most over time."""
+    found, pieces = answer.history, answer.problem.assembly.pieces
+    size = np.linalg.norm(found.shift, axis=2)
+    free = [number for number, piece in enumerate(pieces) if not piece.fixed]
+    most = sorted(free, key=lambda number: -float(size[:, number].max()))[: len(COLOURS)]
+    figure, axes = plot(title, "time (s)", "displacement (m)")
+    for number, colour in zip(most, COLOURS, strict=False):
+        axes.plot(found.time, size[:, number], color=colour, label=pieces[number].name)
+    axes.set_xlim(0.0, float(found.time[-1]))
+    axes.set_ylim(bottom=0.0)
+    axes.legend(loc="upper left", frameon=False)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    return figure

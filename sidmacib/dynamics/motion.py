@@ -1,0 +1,206 @@
+"""How blocks move in time: steps from where they were built, and where they are on the way.
+
+A block has fallen that has turned by 45 degrees, or whose centroid has sunk by half of its least
+size. Contacts are those of convex solids, wherever they meet; see `sidmacib.dynamics.impulses`.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from sidmacib.dynamics.bodies import State
+from sidmacib.dynamics.contacts import Contacts, Pairs
+from sidmacib.dynamics.impulses import Acting, steps
+from sidmacib.dynamics.shapes import Shapes
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind
+from sidmacib.structure.shaking import TimeLoads
+
+REACH = 0.005  # over the mean size of solids: gaps that may close before pairs are sought again
+PER_PAIR = 8  # contacts of a pair that there is room for
+FALLEN = math.radians(45.0)
+SUNK = 0.5  # of a block's least size
+KEPT = 0.01  # s: between positions that are kept
+WHAT = "in time"
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Where pieces are at some times (s), (T,).
+
+    ``shift``: of the centroids from where they were built, m, (T, P, 3); ``turn``: rotation
+    vectors, rad, (T, P, 3). ``fallen``: the time at which each piece has fallen, inf of others,
+    (P,). ``energy``: kinetic and potential, J, (T,), from that at the start. ``pressed``: the
+    deepest that solids reach into each other, m. ``left``: the largest change of an impulse in the
+    last sweep of a step, over the largest impulse.
+    """
+
+    time: Floats
+    shift: Floats
+    turn: Floats
+    fallen: Floats
+    energy: Floats
+    pressed: float
+    left: float
+
+    @property
+    def stands(self) -> bool:
+        """Whether nothing has fallen."""
+        return self.first_fallen is None
+
+    @property
+    def first_fallen(self) -> int | None:
+        """The index of the piece that falls first; None if all stand."""
+        first = int(self.fallen.argmin())
+        return first if math.isfinite(self.fallen[first]) else None
+
+
+def history(
+    assembly: Assembly, loads: TimeLoads, factor: float = 1.0, *, until_it_falls: bool = False
+) -> History:
+    """What happens to ``assembly`` under ``loads``; ``factor``: on the accelerations of the ground.
+
+    ``until_it_falls``: no further. `CapacityError` for bonds and condensed locks.
+    """
+    for face in assembly.faces:
+        if face.kind is not Kind.DRY:
+            raise CapacityError(
+                f"{WHAT}: {face.name} is not dry; leave out cohesion, tensile strength and locks"
+            )
+    motion = _Motion(assembly, loads)
+    ground = loads.accelerations(factor)
+    every = max(round(KEPT / loads.step), 1)
+    kept = [motion.position()]
+    for start in range(0, len(ground), every):
+        motion.run(ground[start : start + every])
+        kept.append(motion.position())
+        motion.note_fallen(loads.step * min(start + every, len(ground)))
+        if until_it_falls and np.isfinite(motion.fallen).any():
+            break
+    time = np.minimum(np.arange(len(kept)) * every, len(ground)) * loads.step
+    shift, turn, energy = (np.array(each) for each in zip(*kept, strict=True))
+    left = float(motion.told[1])
+    return History(
+        *(time, shift, turn, motion.fallen, energy - energy[0]),
+        pressed=max(0.0, -float(motion.told[2])),
+        left=left,
+    )
+
+
+@dataclass(eq=False)
+class _Motion:
+    """The state of all pieces, and the contacts that are known."""
+
+    assembly: Assembly
+    loads: TimeLoads
+    told: Floats = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        assembly, loads = self.assembly, self.loads
+        self.shapes = Shapes.of(assembly)
+        self.near = REACH * float(self.shapes.solids.size.mean())
+        self.built = np.array([piece.centre for piece in assembly.pieces])
+        count = len(self.built)
+        turn = np.zeros((count, 4))
+        turn[:, 0] = 1.0
+        self.state = State(self.built.copy(), turn, loads.speed.copy(), np.zeros((count, 3)))
+        mass = self.shapes.bodies.mass
+        self.unit = float(mass[mass > 0.0].mean()) * GRAVITY * loads.step
+        self.forces = np.ascontiguousarray((loads.permanent + loads.sudden)[:, :3])
+        self.levers = loads.beside.levers + loads.arms
+        self.fallen = np.full(count, math.inf)
+        places = [self.shapes.of_piece(number) for number in range(count)]
+        self.least = np.array([np.ptp(each, axis=0).min() for each in places])
+        self.pairs = Pairs(np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+        self.contacts = self._room(0)
+        self.friction = {
+            frozenset((face.below, face.above)): face.material.friction for face in assembly.faces
+        }
+        self.other_friction = min(self.friction.values(), default=0.0)
+
+    @property
+    def turns(self) -> Floats:
+        """Matrices of the turns, (P, 3, 3)."""
+        return np.asarray(Rotation.from_quat(self.state.turn, scalar_first=True).as_matrix())
+
+    def position(self) -> tuple[Floats, Floats, float]:
+        """Shifts, rotation vectors and energy (J)."""
+        turn = Rotation.from_quat(self.state.turn, scalar_first=True).as_rotvec()
+        shift = self.state.centre - self.built
+        bodies, free = self.shapes.bodies, self.shapes.bodies.mass > 0.0
+        spin = np.einsum("pji,pj->pi", self.turns, self.state.spin)
+        kinetic = 0.5 * (bodies.mass[:, None] * self.state.speed**2).sum()
+        kinetic += 0.5 * np.einsum("pi,pij,pj", spin[free], bodies.inertia[free], spin[free])
+        arms = np.einsum("pij,pjk->pik", self.turns - np.eye(3), self.levers)
+        work = (self.forces * shift).sum() + np.trace(arms, axis1=1, axis2=2).sum()
+        return shift, np.asarray(turn), float(kinetic - work)
+
+    def note_fallen(self, time: float) -> None:
+        """Keep the ``time`` (s) of pieces that have fallen."""
+        shift, turn, _ = self.position()
+        down = (np.linalg.norm(turn, axis=1) > FALLEN) | (-shift[:, 2] > SUNK * self.least)
+        self.fallen[down & np.isinf(self.fallen)] = time
+
+    def run(self, ground: Floats) -> None:
+        """One step for each of the accelerations of the ``ground`` (m/s2), (K, 3)."""
+        shapes, loads, done = self.shapes, self.loads, 0
+        while done < len(ground):
+            self._find_pairs()
+            acting = Acting(
+                *(self.forces, self.levers, ground[done:], loads.step, loads.restitution),
+                self.unit,
+            )
+            made = steps(
+                *(shapes.solids, shapes.built, shapes.bodies, self.state, self.pairs),
+                *(self.contacts, acting, self.near),
+                *(shapes.places(self.state.centre, self.turns), self.told),
+            )
+            if made % 2:
+                self.contacts = self.contacts[::-1]
+            done += made
+
+    def _find_pairs(self) -> None:
+        """Pairs of solids that may meet before one has moved by ``near``, with their contacts."""
+        found = self.shapes.pairs(self.state.centre, self.turns, 3.0 * self.near)
+        if self.loads.lost is not None:
+            found = found[(self.shapes.solids.piece[found] != self.loads.lost).all(axis=1)]
+        if np.array_equal(found, self.pairs.solids):
+            return
+        number = {pair: k for k, pair in enumerate(map(tuple, found.tolist()))}
+        known = map(tuple, self.pairs.solids.tolist())
+        to = np.array([number.get(pair, -1) for pair in known], np.int64)
+        side = np.full(len(found), -1, np.int64)
+        side[to[to >= 0]] = self.pairs.side[to >= 0]
+        pieces = map(frozenset, self.shapes.solids.piece[found].tolist())
+        friction = [self.friction.get(each, self.other_friction) for each in pieces]
+        old, new = self.contacts[0], self._room(len(found))
+        if count := int(old.count[0]):
+            kept = np.flatnonzero(to[old.pair[:count]] >= 0)
+            for name in Contacts._fields[1:]:
+                getattr(new[0], name)[: len(kept)] = getattr(old, name)[kept]
+            new[0].pair[: len(kept)] = to[old.pair[kept]]
+            new[0].count[0] = len(kept)
+        self.pairs = Pairs(np.ascontiguousarray(found), np.array(friction, float), side)
+        self.contacts = new
+
+    @staticmethod
+    def _room(pairs: int) -> tuple[Contacts, Contacts]:
+        """Room for contacts of ``pairs``, before and after a step."""
+        room = PER_PAIR * pairs + 1
+
+        def empty() -> Contacts:
+            return Contacts(
+                count=np.zeros(1, np.int64),
+                pair=np.zeros(room, np.int64),
+                one=np.zeros(room, np.int64),
+                other=np.zeros(room, np.int64),
+                frame=np.zeros((room, 3, 3)),
+                place=np.zeros((room, 3)),
+                gap=np.zeros(room),
+                impulse=np.zeros((room, 3)),
+                mu=np.zeros(room),
+            )
+
+        return empty(), empty()

@@ -1,0 +1,193 @@
+"""Pieces of an assembly as convex solids, in the arrays that compiled code takes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import trimesh
+
+from sidmacib.dynamics.bodies import Bodies
+from sidmacib.dynamics.contacts import Places, Solids
+from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Integers, Piece
+from sidmacib.structure.blocks import Block, box, solids_of
+from sidmacib.structure.overlaps import meeting_boxes, solid_of
+
+FLAT = 1e-6  # over a solid's size: triangles no further from a plane are one side
+DIGITS = 9  # of directions of edges that are the same
+MOST_PARTS = 200  # convex ones of a block
+
+
+@dataclass(frozen=True, eq=False)
+class Convex:
+    """A convex solid: vertices about the origin (m), outlines of sides, normals outwards."""
+
+    places: Floats
+    outlines: tuple[tuple[int, ...], ...]
+    normals: Floats
+
+    @property
+    def edges(self) -> Integers:
+        """The numbers of both ends of each edge, (E, 2)."""
+        ends = {
+            (min(a, b), max(a, b)) for each in self.outlines for a, b in pairwise((*each, each[0]))
+        }
+        return np.array(sorted(ends), np.int64)
+
+    @property
+    def directions(self) -> Floats:
+        """Of edges, each once, (D, 3)."""
+        along = np.diff(self.places[self.edges], axis=1)[:, 0]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        largest = along[np.arange(len(along)), np.abs(along).argmax(axis=1)]
+        rounded = np.round(along * np.sign(largest)[:, None], DIGITS)
+        return np.asarray(np.unique(rounded, axis=0))
+
+
+def convex_parts(piece: Piece) -> Iterator[Convex]:
+    """The convex solids that a ``piece`` is made of, where it was built."""
+    blocks = solids_of(piece)
+    if isinstance(piece, Cuboid):
+        blocks = (box(piece.name, piece.low, piece.high, 1.0),)
+    for block in blocks:
+        if block.reentrant is None:
+            yield Convex(block.places, block.faces, block.normals)
+        else:
+            yield from _cut(block)
+
+
+def _cut(block: Block) -> Iterator[Convex]:
+    """A block that is not convex, cut along planes of its sides at reentrant edges."""
+    middle, size = block.places.mean(axis=0), block.size
+    whole, parts = [solid_of(block, middle, size)], 0
+    while whole:
+        solid = whole.pop()
+        mesh = solid.to_mesh64()
+        body = trimesh.Trimesh(mesh.vert_properties[:, :3], mesh.tri_verts, process=True)
+        bent = ~body.face_adjacency_convex & (body.face_adjacency_angles > 1e-4)
+        if not bent.any() or body.is_convex:
+            yield _hull(body, middle, size)
+            parts += 1
+            continue
+        if parts + len(whole) > MOST_PARTS:
+            raise ValueError(f"{block.name}: has more than {MOST_PARTS} convex parts")
+        pairs = body.face_adjacency[bent]
+        side = int(pairs[0, 0])
+        normal = body.face_normals[side]
+        at = float(body.triangles[side][0] @ normal)
+        halves = solid.split_by_plane(tuple(normal), at)
+        bodies = [each for half in halves for each in half.decompose()]
+        whole += [each for each in bodies if each.volume() > FLAT**2]
+
+
+def _hull(body: trimesh.Trimesh, middle: Floats, size: float) -> Convex:
+    hull = body.convex_hull
+    outlines, normals = [], []
+    facets = [*map(np.asarray, hull.facets)]
+    alone = set(range(len(hull.faces))).difference(*(each.tolist() for each in facets))
+    for triangles in [*facets, *(np.array([each]) for each in sorted(alone))]:
+        edges = hull.edges_sorted.reshape(-1, 3, 2)[triangles].reshape(-1, 2)
+        unique, count = np.unique(edges, axis=0, return_counts=True)
+        ends = {int(v) for v in unique[count == 1].ravel()}
+        normal = hull.face_normals[triangles[0]]
+        places = hull.vertices[sorted(ends)]
+        across = places - places.mean(axis=0)
+        x = across[0] / np.linalg.norm(across[0])
+        turn = np.arctan2(across @ np.cross(normal, x), across @ x)
+        outlines.append(tuple(np.array(sorted(ends))[np.argsort(turn)].tolist()))
+        normals.append(normal)
+    return Convex(middle + size * hull.vertices, tuple(outlines), np.array(normals))
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """All pieces of an assembly: ``solids``, as ``built`` about their centroids, and ``bodies``."""
+
+    solids: Solids
+    built: Places
+    bodies: Bodies
+
+    @classmethod
+    def of(cls, assembly: Assembly) -> "Shapes":
+        """Of all pieces; ValueError for a block of too many convex parts."""
+        parts = [
+            (number, each)
+            for number, piece in enumerate(assembly.pieces)
+            for each in convex_parts(piece)
+        ]
+        bounds = {name: [0] for name in ("vertices", "sides", "edges", "rims", "outlines")}
+        corners: list[int] = []
+        ends: list[Integers] = []
+        for _, each in parts:
+            start = bounds["vertices"][-1]
+            for outline in each.outlines:
+                corners += [start + vertex for vertex in outline]
+                bounds["outlines"].append(len(corners))
+            ends.append(each.edges + start)
+            for name, count in (
+                ("vertices", len(each.places)),
+                ("sides", len(each.outlines)),
+                ("edges", len(each.directions)),
+                ("rims", len(each.edges)),
+            ):
+                bounds[name].append(bounds[name][-1] + count)
+        of = {name: np.array(each, np.int64) for name, each in bounds.items()}
+        solids = Solids(
+            np.array([number for number, _ in parts], np.int64),
+            of["vertices"],
+            of["sides"],
+            of["outlines"],
+            np.array(corners, np.int64),
+            of["edges"],
+            of["rims"],
+            np.concatenate(ends),
+            np.array([np.linalg.norm(np.ptp(each.places, axis=0)) for _, each in parts]),
+        )
+        centres = [assembly.pieces[number].centre for number, _ in parts]
+        built = Places(
+            np.concatenate([e.places - c for (_, e), c in zip(parts, centres, strict=True)]),
+            np.concatenate([each.normals for _, each in parts]),
+            np.concatenate([each.directions for _, each in parts]),
+        )
+        return cls(solids, built, _bodies(assembly))
+
+    @property
+    def _owner(self) -> Integers:
+        """The piece of each vertex, (V,)."""
+        return np.repeat(self.solids.piece, np.diff(self.solids.vertices))
+
+    def of_piece(self, number: int) -> Floats:
+        """Vertices of a piece about its centroid, m, (K, 3)."""
+        return np.asarray(self.built.vertices[self._owner == number])
+
+    def places(self, centre: Floats, turn: Floats) -> Floats:
+        """Vertices where centroids are (m), (P, 3), after turns, (P, 3, 3); m, (V, 3)."""
+        owner = self._owner
+        return np.asarray(centre[owner] + np.einsum("kij,kj->ki", turn[owner], self.built.vertices))
+
+    def pairs(self, centre: Floats, turn: Floats, near: float) -> Integers:
+        """Pairs of solids of different pieces whose boxes are within ``near`` (m), (K, 2)."""
+        piece, places = self.solids.piece, self.places(centre, turn)
+        first = self.solids.vertices[:-1]
+        low = np.minimum.reduceat(places, first) - 0.5 * near
+        high = np.maximum.reduceat(places, first) + 0.5 * near
+        found = meeting_boxes(low, high)
+        one, other = piece[found].T
+        free = self.bodies.mass > 0.0
+        return np.ascontiguousarray(found[(one != other) & (free[one] | free[other])])
+
+
+def _bodies(assembly: Assembly) -> Bodies:
+    mass, inertia = [], []
+    for piece in assembly.pieces:
+        mass.append(0.0 if piece.fixed else piece.mass)
+        given = np.diag(piece.inertia) if isinstance(piece, Cuboid) else piece.inertia_tensor  # type: ignore[attr-defined]
+        inertia.append(given)
+    tensor = np.array(inertia)
+    inverse = np.array(
+        [
+            np.linalg.inv(each) if m else np.zeros((3, 3))
+            for each, m in zip(tensor, mass, strict=True)
+        ]
+    )
+    return Bodies(np.array(mass), tensor, inverse)

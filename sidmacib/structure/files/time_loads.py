@@ -1,0 +1,139 @@
+"""The keys of a structure's file for what acts in time: ground motions, blows, lost supports."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import BeforeValidator, model_validator
+
+from sidmacib.mechanics.assembly import GRAVITY, Assembly
+from sidmacib.quantities import Number, Part, one_of
+from sidmacib.reading import Keys, Some, Text, Way
+from sidmacib.structure.files.loads import ForceSection, Newtons
+from sidmacib.structure.loads import Permanent, numbered, permanent_force, permanent_only
+from sidmacib.structure.shaking import Ground, Pulse, Shape, TimeLoads, accelerogram
+
+Seconds = Annotated[float, Number(above=0, unit="s")]
+_Speed = Annotated[float, Number(unit="m/s")]
+UNITS = {"m/s2": 1.0, "cm/s2": 0.01, "g": GRAVITY}
+
+
+class PulseSection(Keys):
+    """A pulse of the ground's acceleration."""
+
+    shape: Shape = Shape.RECTANGLE
+    """a rectangle, half a sine, or one cycle of a sine"""
+    acceleration: Annotated[float, Number(above=0, unit="m/s2")]
+    """the largest, m/s2, or such as 0.5g"""
+    duration: Seconds
+    """s"""
+
+
+class GroundSection(Keys):
+    """A motion of the ground along a direction: a pulse, or a record."""
+
+    pulse: PulseSection | None = None
+    record: Annotated[str, Some] | None = None
+    """a file of columns of time (s) and acceleration, or of PEER (AT2)"""
+    unit: Annotated[str, one_of(UNITS)] | None = None
+    """of the record's accelerations, by default m/s2, of AT2 g"""
+    scale: Annotated[float, Number(above=0)] = 1.0
+    """factor on the accelerations"""
+    direction: Way
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        if (self.pulse is None) == (self.record is None):
+            raise ValueError("must have either pulse or record")
+        if self.unit is not None and self.record is None:
+            raise ValueError("unit: is of a record")
+        return self
+
+    def motion(self, folder: Path) -> Ground:
+        """The motion; ``folder``: that the record's path starts from. ValueError."""
+        size = math.hypot(*self.direction)
+        along = tuple(each / size for each in self.direction)
+        if self.pulse:
+            pulse = self.pulse
+            return Pulse(pulse.shape, self.scale * pulse.acceleration, pulse.duration, along)
+        assert self.record is not None
+        path = folder / self.record
+        try:
+            return accelerogram(path, UNITS.get(self.unit or ""), self.scale, along)
+        except OSError as error:
+            raise ValueError(f"record: {path} cannot be read ({error.strerror})") from None
+        except ValueError as error:
+            raise ValueError(f"record: {error}") from None
+
+
+def _several(value: Any) -> Any:
+    return value if isinstance(value, list | tuple) else (value,)
+
+
+class SpeedSection(Keys):
+    """The velocity of a block at the moment 0, as after a blow."""
+
+    block: Text
+    """its name"""
+    velocity: tuple[_Speed, _Speed, _Speed]
+    """m/s"""
+
+
+class TimeSection(Keys):
+    """What acts in time, from the moment 0, for a duration."""
+
+    duration: Seconds
+    """s"""
+    ground: Annotated[
+        tuple[GroundSection, ...],
+        BeforeValidator(_several, json_schema_input_type=GroundSection | tuple[GroundSection, ...]),
+    ] = ()
+    """motions of the ground, which add up"""
+    force: ForceSection | None = None
+    """a force that acts at once, and stays"""
+    newtons: Newtons | None = None
+    """its size, N"""
+    blow: SpeedSection | None = None
+    """a block that is moving"""
+    lost: Text | None = None
+    """the name of a fixed block that is taken away"""
+    step: Annotated[float, Number(above=0, at_most=0.1, unit="s")] = 1e-3
+    """s"""
+    restitution: Part = 0.0
+    """with what part of their velocity blocks that meet part"""
+
+    @model_validator(mode="after")
+    def _acts(self) -> Self:
+        if (self.force is None) != (self.newtons is None):
+            raise ValueError("must have both force and newtons, or neither")
+        return self
+
+    def on(
+        self, assembly: Assembly, beside: Permanent | None, folder: Path, key: str = "load"
+    ) -> TimeLoads:
+        """Weight of ``assembly``, permanent loads ``beside`` it, and what acts in time."""
+        sudden, speed = Permanent.none(len(assembly.pieces)), np.zeros((len(assembly.pieces), 3))
+        lost = None
+        try:
+            if self.force and self.newtons:
+                at = self.force.block, self.force.at, self.force.direction
+                sudden = permanent_force(assembly, *at, self.newtons)
+            if self.blow:
+                speed[numbered(assembly, self.blow.block, fixed=False)] = self.blow.velocity
+            if self.lost:
+                lost = numbered(assembly, self.lost, fixed=True)
+            motions = tuple(each.motion(folder) for each in self.ground)
+        except ValueError as error:
+            raise ValueError(f"{key}: {error}") from None
+        return TimeLoads(
+            **vars(permanent_only(assembly, beside)),
+            ground=motions,
+            sudden=sudden.wrenches,
+            arms=sudden.levers,
+            speed=speed,
+            lost=lost,
+            duration=self.duration,
+            step=self.step,
+            restitution=self.restitution,
+        )

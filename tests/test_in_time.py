@@ -1,0 +1,282 @@
+"""The model in time against closed forms: Newmark's block, Housner's block, flight, collapse."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from command_runner import run
+from conftest import ROOT
+from scipy.integrate import solve_ivp
+
+from sidmacib.answers.in_time import TimeAnswer, falls_at
+from sidmacib.dynamics.motion import History
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.structure.files.structure_file import demands_of, structure_of
+from sidmacib.structure.shaking import Accelerogram, accelerogram
+
+GROUND = {"low": [-3, -3, -0.5], "high": [3, 3, 0], "fixed": True}
+FLAT = {"low": [0, 0, 0], "high": [0.6, 0.3, 0.2]}
+SLENDER = {"low": [0, 0, 0], "high": [0.1, 0.2, 1.0]}
+
+
+def described(blocks: dict[str, Any], load: dict[str, Any], friction: float) -> dict[str, Any]:
+    return {"blocks": blocks, "interfaces": {"friction": friction}, "load": load}
+
+
+def moved(blocks: dict[str, Any], load: dict[str, Any], friction: float) -> TimeAnswer:
+    return TimeAnswer.of(demands_of(described(blocks, load, friction))[0].problem)
+
+
+def pulse(acceleration: float, duration: float, **more: Any) -> dict[str, Any]:
+    shape = {"acceleration": acceleration, "duration": duration, **more}
+    return {"pulse": shape, "direction": [-1, 0, 0]}
+
+
+def free(found: History) -> np.ndarray[Any, Any]:
+    """Shifts of the second piece, the only one that is free."""
+    return found.shift[:, 1]
+
+
+@pytest.mark.parametrize("level", [0.35, 0.5, 1.0])
+def test_a_block_slips_as_far_as_newmark_says_and_does_not_lift(level: float) -> None:
+    """Newmark (1965): v^2 / (2 mu g) after the pulse, and what it has slipped in it."""
+    mu, time = 0.3, 0.2
+    load = {"ground": pulse(level * GRAVITY, time), "duration": 1.5}
+    answer = moved({"ground": GROUND, "block": FLAT}, load, mu)
+    faster = (level - mu) * GRAVITY
+    slip = faster * time**2 / 2 + (faster * time) ** 2 / (2 * mu * GRAVITY)
+    assert free(answer.history)[-1, 0] == pytest.approx(slip, rel=5e-3)
+    assert np.abs(free(answer.history)[:, 1:]).max() < 1e-8
+    assert answer.history.stands
+
+
+def test_a_block_slips_down_a_slope_as_far_as_newmark_says() -> None:
+    """It slips under what of the pulse is above its critical acceleration, and then decelerates."""
+    mu, slope, level, time = 0.5, math.radians(20.0), 0.4, 0.3
+    x, z = math.cos(slope), math.sin(slope)
+    wedge = {"outline": [[-1, 0, -1], [2, 0, -1], [2 * x, 0, -2 * z], [-x, 0, z]]}
+    wedge |= {"along": [0, 0.5, 0], "fixed": True}
+    corners = [[0, 0], [0.5, 0], [0.5, 0.2], [0, 0.2]]
+    outline = [[x * u + z * w, 0, -z * u + x * w] for u, w in corners]
+    block = {"outline": outline, "along": [0, 0.3, 0]}
+    motion = {"pulse": {"acceleration": level * GRAVITY, "duration": time}}
+    motion["direction"] = [-x, 0, z]
+    answer = moved({"ground": wedge, "block": block}, {"ground": motion, "duration": 3}, mu)
+    holds = GRAVITY * (mu * x - z)
+    faster = level * GRAVITY - holds
+    slip = faster * time**2 / 2 + (faster * time) ** 2 / (2 * holds)
+    assert np.linalg.norm(free(answer.history)[-1]) == pytest.approx(slip, rel=5e-3)
+
+
+def rocked(step: float, alpha: float) -> tuple[float, float]:
+    """Largest angles over ``alpha`` of a block that a pulse makes rock: before and after an impact.
+
+    The pulse ends before the impact, when the block has turned by about a quarter of alpha.
+    """
+    width = 0.2
+    radius = 0.5 * width / math.sin(alpha)
+    time = math.sqrt(4.0 * radius / (3.0 * GRAVITY))
+    block = {"low": [0, 0, 0], "high": [width, 0.2, width / math.tan(alpha)]}
+    motion = pulse(1.5 * GRAVITY * math.tan(alpha), time)
+    load = {"ground": motion, "duration": 8 * time, "step": step}
+    turn = moved({"ground": GROUND, "block": block}, load, 3.0).history.turn[:, 1, 1] / alpha
+    turn = turn * math.copysign(1.0, turn[np.argmax(np.abs(turn))])
+    return float(turn.max()), float(-turn[int(turn.argmax()) :].min())
+
+
+@pytest.mark.parametrize("alpha", [0.15, 0.25])
+def test_a_rocking_block_loses_housners_energy_at_an_impact(alpha: float) -> None:
+    """Housner (1963): the velocity after is r = 1 - 1.5 sin^2(alpha) of that before.
+
+    The error is of the order of the step.
+    """
+
+    def height(angle: float) -> float:  # of the centroid over where it rests, over its radius
+        return math.cos(alpha - angle * alpha) - math.cos(alpha)
+
+    wanted = 1.0 - 1.5 * math.sin(alpha) ** 2
+    errors = []
+    for step in (2e-3, 5e-4):
+        before, after = rocked(step, alpha)
+        assert before > 0.5
+        errors.append(math.sqrt(height(after) / height(before)) / wanted - 1.0)
+    assert abs(errors[1]) < 0.01
+    assert abs(errors[1]) < 0.5 * abs(errors[0])
+
+
+def overturns(level: float, time: float) -> bool:
+    load = {"ground": pulse(level * 0.1 * GRAVITY, time), "duration": 4.0}
+    return not moved({"ground": GROUND, "block": SLENDER}, load, 3.0).history.stands
+
+
+def exact_overturns(level: float, time: float) -> bool:
+    """By the equation of motion of a block that rocks about one edge."""
+    alpha, radius = math.atan(0.1), 0.5 * math.hypot(0.1, 1.0)
+
+    def rate(t: float, y: Any) -> tuple[float, float]:
+        push = level * 0.1 if t < time else 0.0
+        turn = push * math.cos(alpha - y[0]) - math.sin(alpha - y[0])
+        return y[1], 0.75 * GRAVITY / radius * turn
+
+    found = solve_ivp(rate, (0.0, 4.0), (0.0, 0.0), max_step=2e-3, rtol=1e-9, atol=1e-12)
+    back = int(np.argmax(found.y[0] < -1e-9)) or len(found.t)
+    return bool(found.y[0, :back].max() > 2.0 * alpha)
+
+
+@pytest.mark.parametrize("level", [1.5, 3.0])
+def test_the_shortest_pulse_that_overturns_a_block(level: float) -> None:
+    """Within 2 % of the equation of motion, which is Housner's (1963) for slender blocks."""
+    low, high = 0.05, 0.4
+    while high - low > 1e-4:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if exact_overturns(level, middle) else (middle, high)
+    assert overturns(level, 1.02 * high)
+    assert not overturns(level, 0.98 * high)
+
+
+def test_a_block_that_is_thrown_flies_on_a_parabola_and_lands() -> None:
+    load = {"blow": {"block": "block", "velocity": [0.5, 0, 3.0]}, "duration": 1.5}
+    answer = moved({"ground": GROUND, "block": FLAT}, load, 0.8)
+    path, time = free(answer.history), answer.history.time
+    up = time < 2 * 3.0 / GRAVITY - 0.01
+    assert path[up, 2] == pytest.approx(3.0 * time[up] - GRAVITY * time[up] ** 2 / 2, abs=1e-6)
+    assert path[up, 0] == pytest.approx(0.5 * time[up], abs=1e-9)
+    assert abs(path[-1, 2]) < 2e-3
+    assert (np.diff(answer.history.energy) < 1e-6).all()
+
+
+def test_energy_never_rises_while_a_stack_comes_to_rest() -> None:
+    blocks = {"ground": GROUND, "a": FLAT, "b": {"low": [0, 0, 0.2], "high": [0.2, 0.3, 0.9]}}
+    load = {"blow": {"block": "b", "velocity": [0.6, 0.1, 0]}, "duration": 2}
+    answer = moved(blocks, load, 0.5)
+    size = abs(answer.history.energy).max()
+    assert size > 1.0
+    assert np.diff(answer.history.energy).max() < 1e-5 * size  # of the midpoint rule, in flight
+    assert answer.history.pressed < 1e-3
+
+
+def test_a_coefficient_of_restitution_of_one_half_makes_a_block_bounce() -> None:
+    """Straight on: with half of its velocity, so to a quarter of its height."""
+    load = {"blow": {"block": "block", "velocity": [0, 0, 3.0]}, "duration": 1.2}
+    path = free(moved({"ground": GROUND, "block": FLAT}, {**load, "restitution": 0.5}, 0.5).history)
+    first = path[:61, 2].max()
+    assert path[65:, 2].max() == pytest.approx(first / 4, rel=0.02)
+
+
+TRILITH = {
+    "ground": GROUND,
+    "left": {"low": [0, 0, 0], "high": [0.3, 0.3, 1], "fixed": True},
+    "right": {"low": [1.2, 0, 0], "high": [1.5, 0.3, 1]},
+    "lintel": {"low": [0, 0, 1], "high": [1.5, 0.3, 1.2]},
+}
+
+
+def test_a_lintel_falls_where_its_support_is_lost_and_stands_else() -> None:
+    assert moved(TRILITH, {"duration": 1}, 0.6).history.stands
+    answer = moved(TRILITH, {"duration": 1.5, "lost": "left"}, 0.6)
+    assert answer.words.startswith("No: ")
+    first = answer.history.first_fallen
+    assert first is not None and answer.problem.assembly.pieces[first].name == "lintel"
+
+
+def test_blocks_meet_that_did_not_touch() -> None:
+    far = {"low": [0.7, 0, 0], "high": [1.0, 0.3, 0.2]}
+    load = {"blow": {"block": "block", "velocity": [2, 0, 0]}, "duration": 2}
+    answer = moved({"ground": GROUND, "block": FLAT, "far": far}, load, 0.2)
+    gap = 0.1 + answer.history.shift[:, 2, 0] - answer.history.shift[:, 1, 0]
+    assert gap.min() > -1e-4
+    assert answer.history.shift[-1, 2, 0] > 0.1
+
+
+def test_a_block_that_is_not_convex_holds_another_in_its_notch() -> None:
+    """It does not slide out sideways, as it would from a flat top."""
+    notch = [[0, 0], [0.6, 0], [0.6, 0.4], [0.4, 0.4], [0.4, 0.2], [0.2, 0.2], [0.2, 0.4], [0, 0.4]]
+    channel = {"outline": [[x, 0, z] for x, z in notch], "along": [0, 0.3, 0], "fixed": True}
+    key = {"low": [0.2, 0, 0.2], "high": [0.4, 0.3, 0.35]}
+    load = {"ground": pulse(0.5 * GRAVITY, 0.2), "duration": 1}
+    answer = moved({"channel": channel, "key": key}, load, 0.0)
+    assert np.abs(free(answer.history)).max() < 1e-6
+
+
+def test_records_are_read_by_columns_and_as_at2(tmp_path: Path) -> None:
+    time = np.arange(0.0, 2.0, 0.01)
+    values = 0.4 * np.sin(5.0 * time) * np.exp(-time)
+    plain, peer = tmp_path / "record.csv", tmp_path / "record.AT2"
+    rows = [f"{t:.4f}, {a * GRAVITY:.9g}" for t, a in zip(time, values, strict=True)]
+    plain.write_text("time (s), acceleration (m/s2)\n" + "\n".join(rows))
+    lines = [" ".join(f"{each:.9g}" for each in values[k : k + 5]) for k in range(0, len(time), 5)]
+    head = "PEER\nmade up\nACCELERATION IN UNITS OF G\nNPTS= 200, DT= .0100 SEC\n"
+    peer.write_text(head + "\n".join(lines))
+    one, other = (accelerogram(path, None, 1.0, (1.0, 0.0, 0.0)) for path in (plain, peer))
+    at = np.linspace(0.0, 2.5, 301)
+    assert one.velocity(at) == pytest.approx(other.velocity(at), abs=1e-7)
+    assert isinstance(one, Accelerogram)
+    speed = np.gradient(one.velocity(at)[:, 0], at)
+    assert speed[50] == pytest.approx(
+        0.4 * GRAVITY * np.sin(5 * at[50]) * np.exp(-at[50]), abs=0.02
+    )
+    (tmp_path / "bad.csv").write_text("0 1\n0 2\n")
+    with pytest.raises(ValueError, match=r"bad\.csv: times must grow"):
+        accelerogram(tmp_path / "bad.csv", None, 1.0, (1.0, 0.0, 0.0))
+
+
+def test_the_factor_at_which_a_block_falls_is_that_of_its_pulse() -> None:
+    """A block that rocks falls under a pulse of 0.3 s at a factor between two that were run."""
+    blocks = {"ground": GROUND, "block": SLENDER}
+    load = {"ground": pulse(0.05 * GRAVITY, 0.3), "duration": 3}
+    problem = demands_of(described(blocks, load, 3.0))[0].problem
+    factor = falls_at(problem)
+    assert factor is not None and 2.0 < factor < 4.0
+    strong = {**load, "ground": pulse(0.05 * factor * GRAVITY, 0.3)}
+    weak = {**load, "ground": pulse(0.05 * 0.98 * factor * GRAVITY, 0.3)}
+    assert not moved(blocks, strong, 3.0).history.stands
+    assert moved(blocks, weak, 3.0).history.stands
+
+
+def test_the_command_says_whether_it_stands_and_writes_the_history(tmp_path: Path) -> None:
+    history, picture = tmp_path / "history.csv", tmp_path / "drift.svg"
+    example = str(ROOT / "studies/time/arch.yaml")
+    found = run("assembly", example, "--history", str(history), "--picture", str(picture))
+    assert found.exit_code == 0, found.output
+    assert "Yes: it stands for 3 s; voussoir1 moves most" in found.output
+    head, *rows = history.read_text().splitlines()
+    assert head == "time_s,block,x_m,y_m,z_m,rx_rad,ry_rad,rz_rad"
+    assert len(rows) == 301 * 5
+    assert "<svg" in picture.read_text()
+    given = yaml.safe_load(Path(example).read_text())
+    given["load"]["ground"]["scale"] = 2.0
+    path = tmp_path / "arch.yaml"
+    path.write_text(yaml.safe_dump(given))
+    found = run("assembly", str(path), "--format", "json")
+    assert found.exit_code == 1
+    assert json.loads(found.stdout)["verdict"] == "no"
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"load": {"duration": 1, "lost": "block"}}, "a block that is fixed"),
+        ({"load": {"duration": 1, "force": {"block": "block"}}}, "force"),
+        ({"load": {"duration": 1, "ground": {"direction": [1, 0, 0]}}}, "either pulse or record"),
+        ({"load": {"duration": "1m"}}, "a time"),
+        ({"load": {"blow": {"block": "block", "velocity": [1, 0, 0]}}}, "duration: missing"),
+    ],
+)
+def test_what_cannot_act_in_time_is_refused_by_name(changes: dict[str, Any], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        demands_of({**described({"ground": GROUND, "block": FLAT}, {}, 0.5), **changes})
+
+
+def test_bonds_are_refused_and_other_doors_say_where_time_is_for() -> None:
+    blocks = {"ground": GROUND, "block": FLAT}
+    given = described(blocks, {"duration": 1}, 0.5)
+    given["interfaces"] |= {"cohesion": 1e5, "tensile_strength": 1e5}
+    with pytest.raises(CapacityError, match="in time: ground-block is not dry"):
+        TimeAnswer.of(demands_of(given)[0].problem)
+    with pytest.raises(ValueError, match="for multilock assembly only"):
+        structure_of(described(blocks, {"duration": 1}, 0.5))
