@@ -5,7 +5,7 @@
 # make explore open pages with sliders for any joint and for structures, served to this machine only
 # make calibrate  find the geometry and friction that fit the published numbers
 # make locks   run the study of the law on 640 joints; takes less than an hour, continues where it stopped
-# make study PROFILE=slurm  run the study on a SLURM cluster, see docs/howto/cluster.md
+# make study PROFILE=slurm  run the study on a SLURM cluster, see docs/howto/study.md
 # make decks   write decks for 3DEC; make study reads the results.txt that 3DEC leaves beside a deck
 # make test    run lint and all tests, including real runs of the engines
 # make test-slurm  run a study through SLURM, which is set up on this machine; needs root
@@ -115,6 +115,7 @@ attack: .venv/study.ready
 measured: .venv/study.ready
 	@export OPENBLAS_NUM_THREADS=1; results="$${RESULTS:-results-measured}"; \
 	$(BIN)/python -m studies.measured.walls --results "$$results" && \
+	$(BIN)/python -m studies.measured.contacts --results "$$results" && \
 	$(BIN)/python -m studies.measured.specimens "$$results/tables/specimens.csv" && \
 	exec $(BIN)/python -m studies.pages "$$results" docs/measured.md
 

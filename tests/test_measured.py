@@ -1,14 +1,18 @@
 """Loads that walls carried in laboratories."""
 
+import math
 import re
 
 import pytest
 from conftest import ROOT
+from scipy.optimize import minimize
 
 from sidmacib.mechanics.equilibrium import is_dry
+from sidmacib.mechanics.static import static_peak
 from sidmacib.scene.page import VALIDATED
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
+from studies.measured.contacts import description, given, pushes
 from studies.measured.walls import HERE, Campaign, campaigns, computed, rows
 from workflow.schema import with_changes
 
@@ -48,9 +52,32 @@ def test_pages_and_notes_say_what_the_table_says() -> None:
     page = (ROOT / "docs/measured.md").read_text()
     table = page.partition("<!-- numbers: walls-short -->\n")[2].partition("<!-- end -->")[0]
     of_granite, of_sandstone, _ = SPAN.findall(table)
-    assert SPAN.findall(VALIDATED) == [of_granite, of_sandstone]
+    rest = page.partition("<!-- numbers: contacts-short -->\n")[2].partition("<!-- end -->")[0]
+    medians = [line.split("|")[5].strip() for line in rest.splitlines()[2:]]
+    of_contacts = min(medians), max(medians)
+    assert SPAN.findall(VALIDATED) == [of_granite, of_sandstone, of_contacts]
     readme = (ROOT / "README.md").read_text().partition("dry granite")[2]
-    assert SPAN.findall(readme)[0] == of_granite
+    assert SPAN.findall(readme)[:3] == [of_granite, of_sandstone, of_contacts]
+
+
+def test_a_block_on_feet_slips_at_what_its_friction_allows() -> None:
+    """Pushed through its centroid at mu times its weight; twisted about the feet's median point."""
+    known = given()
+    problem = structure_of(description("plywood", "feet 1", (-2.0, -1.0, 0.0)))
+    assert static_peak(*problem).peak.load == pytest.approx(known["friction"]["plywood"], rel=2e-3)
+    far = description("plywood", "feet 2", (-1e-3, 0.0, 1.0))
+    feet = known["supports"]["feet 2"]
+    arms = minimize(lambda at: sum(math.dist(each, at) for each in feet) / 3, [0.05, 0.05]).fun
+    torque = 1e3 * static_peak(*structure_of(far)).peak.load
+    assert torque == pytest.approx(known["friction"]["plywood"] * arms, rel=5e-3)
+
+
+def test_each_push_has_a_support_and_a_surface_of_the_file() -> None:
+    known = given()
+    every = pushes()
+    assert len(every) == 500
+    assert {each["surface"] for each in every} == set(known["friction"])
+    assert {each["support"] for each in every} == set(known["supports"])
 
 
 def test_a_specimen_of_no_kind_is_refused() -> None:

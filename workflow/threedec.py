@@ -1,7 +1,7 @@
 """Decks for 3DEC, the commercial program of the paper, and the reader of its output.
 
 3DEC is not run here: users with a licence run the decks, each of which writes results.txt into its
-folder. docs/engines.md lists what the decks assume of 3DEC; they have never been run.
+folder. docs/maintain/threedec.md lists what the decks assume of 3DEC; they have never been run.
 """
 
 import math

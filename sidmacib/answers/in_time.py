@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sidmacib.dynamics.motion import FALLEN, SUNK, History, history
+from sidmacib.dynamics.motion import FALLEN, History, history
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits
@@ -16,7 +16,7 @@ from sidmacib.structure.shaking import TimeLoads
 STEEPEST = 64.0  # largest factor on the ground motion that is tried, and its inverse the least
 PRECISION = 0.01  # of the factor at which a structure falls
 LOOSE = 1e-2  # changes of impulses, over the largest one: more is said
-FELL = f"turned by {math.degrees(FALLEN):g} degrees, or sunk by {SUNK:g} of its least size"
+FELL = f"turned by {math.degrees(FALLEN):g} degrees, or sunk by half of its least size"
 
 
 @dataclass(frozen=True)

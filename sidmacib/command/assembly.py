@@ -13,7 +13,7 @@ from sidmacib.answers.ask import Solved, limit_of, static_of
 from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all
 from sidmacib.command.answers import Row
-from sidmacib.command.in_time import collapse_row, drift_picture, history_rows, time_rows
+from sidmacib.command.in_time import collapse_row, drift_picture, history_rows, time_page, time_rows
 from sidmacib.command.output import draw, require_answer, say, text_of, write_text
 from sidmacib.command.structures import (
     curve_rows,
@@ -38,7 +38,7 @@ from sidmacib.structure.shaking import TimeLoads
 from sidmacib.structure.structure import with_dry_joints
 from sidmacib.validation import refused
 
-OF_LOADS = "interfaces", "compas", "capacity_curve", "report", "note"
+OF_LOADS = "interfaces", "compas", "capacity_curve", "note"
 ALONG_X: Vector = (1.0, 0.0, 0.0)
 NO_LIMIT = "no limit: more than 100"
 
@@ -190,6 +190,10 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
         write_text(text_of(history_rows(answer), "csv") + "\n", wanted.history, "--history")
     if wanted.picture is not None:
         draw(drift_picture(answer, wanted.file.stem), wanted.picture)
+    if wanted.report is not None:
+        command = shlex.join(["multilock", *sys.argv[1:]])
+        text = time_page(answer, wanted.file.stem, rows, wanted.notes, command)
+        write_text(text, wanted.report, "--report")
     return answer.history.stands
 
 

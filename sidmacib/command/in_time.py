@@ -1,6 +1,7 @@
 """What the command `assembly` prints, writes and draws where loads act in time."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -8,10 +9,16 @@ from matplotlib.figure import Figure
 from sidmacib.answers.ask import Tell
 from sidmacib.answers.in_time import STEEPEST, TimeAnswer, falls_at
 from sidmacib.command.answers import Row
-from sidmacib.command.output import plot
+from sidmacib.command.output import in_asked_words, plot
+from sidmacib.command.structure_views import page_words
 from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, OCHRE, ORANGE, PURPLE, SKY, VERMILION
-from sidmacib.problem import Problem
+from sidmacib.problem import Outcome, Problem, State
+from sidmacib.scene.drawn import Drawn, shape_of
+from sidmacib.scene.forces import arrows_of
+from sidmacib.scene.page import page
+from sidmacib.structure.shaking import TimeLoads
 
+FRAMES = 150  # of the page, at most
 MONOTONIC = "larger factors need not fell it, and smaller ones may"
 COLOURS = BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY  # of blocks
 
@@ -61,6 +68,31 @@ def history_rows(answer: TimeAnswer) -> list[Row]:
         for piece, row in zip(answer.problem.assembly.pieces, rows, strict=True)
         if not piece.fixed
     ]
+
+
+def time_page(
+    answer: TimeAnswer, title: str, rows: Sequence[Row], notes: Sequence[str], command: str
+) -> str:
+    """The page that plays what happens; ``rows``: the table that is printed by ``command``."""
+    problem, found = answer.problem, answer.history
+    assert isinstance(problem.loads, TimeLoads), "loads in time"
+    frames = np.unique(np.linspace(0, len(found.time) - 1, FRAMES).astype(int))
+    moves = np.concatenate([found.shift, found.turn], axis=2)[frames]
+    end = Outcome((State(0.0),), math.inf, motion=moves[-1], motion_kind="in time")
+    model = {
+        **Drawn("time", problem, end).values(),
+        "name": "rigid blocks in time",
+        "history": {"times": found.time[frames].tolist(), "moves": moves.tolist()},
+    }
+    structure = {
+        "title": title,
+        "shape": {**shape_of(problem.assembly), "interfaces": []},
+        "loads": arrows_of(*problem),
+        "models": [model],
+    }
+    said = in_asked_words(answer.words)
+    words = page_words(said, f"{problem.loads.words}.", notes, rows)
+    return page({"structures": [structure]}, {**words, "title": title, "command": command})
 
 
 def drift_picture(answer: TimeAnswer, title: str) -> Figure:

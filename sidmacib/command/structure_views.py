@@ -96,29 +96,32 @@ class Views:
 
     def content(self, rows: Sequence[Row], command: str) -> tuple[dict[str, Any], dict[str, Any]]:
         """Data and words of `page`; ``rows``: the table that is printed by ``command``."""
-        shown = in_asked_units(rows)
         structure = {
             "title": self.title,
             "shape": self.shape,
             "loads": arrows_of(*self.problem),
             "models": [{"name": MODELS[each.model].label, **each.values()} for each in self.models],
         }
-        words = {
-            "title": self.title,
-            "answer": self.answer,
-            "about": self.about,
-            "notes": self.notes,
-            "head": list(shown[0]),
-            "rows": [
-                [
-                    {"text": cell(each), "number": isinstance(each, int | float)}
-                    for each in row.values()
-                ]
-                for row in shown
-            ],
-            "command": command,
-        }
-        return {"structures": [structure]}, words
+        words = page_words(self.answer, self.about, self.notes, rows)
+        return {"structures": [structure]}, {**words, "title": self.title, "command": command}
+
+
+def page_words(
+    answer: str, about: str, notes: Sequence[str], rows: Sequence[Row]
+) -> dict[str, Any]:
+    """What a page says in words; ``rows``: the table that is printed."""
+    shown = in_asked_units(rows)
+    cells = [
+        [{"text": cell(each), "number": isinstance(each, int | float)} for each in row.values()]
+        for row in shown
+    ]
+    return {
+        "answer": answer,
+        "about": about,
+        "notes": notes,
+        "head": list(shown[0]),
+        "rows": cells,
+    }
 
 
 def _given(description: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -23,6 +23,7 @@ PER_PAIR = 8  # contacts of a pair that there is room for
 FALLEN = math.radians(45.0)
 SUNK = 0.5  # of a block's least size
 KEPT = 0.01  # s: between positions that are kept
+AFTER = 0.5  # s: for which blocks are followed once one has fallen
 WHAT = "in time"
 
 
@@ -62,7 +63,7 @@ def history(
 ) -> History:
     """What happens to ``assembly`` under ``loads``; ``factor``: on the accelerations of the ground.
 
-    ``until_it_falls``: no further. `CapacityError` for bonds and condensed locks.
+    ``until_it_falls``: no further; else for `AFTER`. `CapacityError` for bonds and condensed locks.
     """
     for face in assembly.faces:
         if face.kind is not Kind.DRY:
@@ -73,11 +74,12 @@ def history(
     ground = loads.accelerations(factor)
     every = max(round(KEPT / loads.step), 1)
     kept = [motion.position()]
+    kept_on = 0.0 if until_it_falls else AFTER
     for start in range(0, len(ground), every):
         motion.run(ground[start : start + every])
         kept.append(motion.position())
         motion.note_fallen(loads.step * min(start + every, len(ground)))
-        if until_it_falls and np.isfinite(motion.fallen).any():
+        if kept_on < len(kept) * every * loads.step - float(motion.fallen.min()):
             break
     time = np.minimum(np.arange(len(kept)) * every, len(ground)) * loads.step
     shift, turn, energy = (np.array(each) for each in zip(*kept, strict=True))

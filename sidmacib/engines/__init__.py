@@ -1,7 +1,7 @@
 """The programs that a study can run: distinct elements, and finite ones for elastic pieces.
 
 What an engine is, the parameters of its search for the peak, and the engines that there are. To add
-one, see docs/howto/model.md.
+one, see docs/maintain/extend.md.
 """
 
 import os

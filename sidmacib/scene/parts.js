@@ -25,21 +25,24 @@ function save(text, type, name) {
 }
 
 // A button that plays a motion: its slider goes to the end and back until the button is pressed again
-// or the slider is moved. `drawn`: draws what the slider says, and returns a promise. Returns what
+// or the slider is moved. `drawn`: draws what the slider says, and returns a promise. `forward`: ms in
+// which the slider goes to the end, again and again, in place of to and fro; 0: as said. Returns what
 // stops it.
 const PERIOD = 4000; // ms, from rest to rest
-function player(button, slider, drawn) {
+function player(button, slider, drawn, forward = () => 0) {
   let start = null; // when it was at rest
   const told = () => Object.assign(button, { textContent: start === null ? "Play" : "Stop", ariaPressed: String(start !== null) });
   const stop = () => { start = null; told(); };
   function frame(now) {
     if (start === null) return;
-    slider.value = 50 * (1 - Math.cos((2 * Math.PI * (now - start)) / PERIOD));
+    const whole = forward();
+    slider.value = whole ? 100 * (((now - start) / whole) % 1) : 50 * (1 - Math.cos((2 * Math.PI * (now - start)) / PERIOD));
     drawn().then(() => requestAnimationFrame(frame));
   }
   button.addEventListener("click", () => {
     if (start !== null) return stop();
-    start = performance.now() - (PERIOD * Math.acos(1 - Number(slider.value) / 50)) / (2 * Math.PI);
+    const whole = forward();
+    start = performance.now() - (whole ? (whole * (Number(slider.value) % 100)) / 100 : (PERIOD * Math.acos(1 - Number(slider.value) / 50)) / (2 * Math.PI));
     told();
     return requestAnimationFrame(frame);
   });

@@ -32,8 +32,9 @@ let drawn = null; // what is chosen, prepared for drawing
 let stopMotion = null; // ends the animation
 
 // `row`, `ofBlocks`, `ofInterfaces`: rows of the tables of structures, blocks and interfaces.
-// `loads`, `reactions`, `thrust`: see forces.py of this folder.
-function preparedStructure(row, shape, ofBlocks, ofInterfaces, { loads = null, reactions = [], thrust = [] } = {}) {
+// `loads`, `reactions`, `thrust`: see forces.py of this folder. `history`: times (s), and at each a displacement (m) and a
+// rotation vector (rad) of each block.
+function preparedStructure(row, shape, ofBlocks, ofInterfaces, { loads = null, reactions = [], thrust = [], history = null } = {}) {
   if (!shape) return { row, shape };
   const blocks = named(ofBlocks, "block"), interfaces = named(ofInterfaces, "interface");
   for (const each of shape.interfaces) each.ofLock = each.between.some((k) => shape.blocks[k].with !== k);
@@ -45,18 +46,30 @@ function preparedStructure(row, shape, ofBlocks, ofInterfaces, { loads = null, r
   });
   const points = shape.blocks.flatMap((block) => block.points);
   const size = diagonal(points);
+  if (history) moves.forEach((move, k) => { move.path = history.moves.map((frame) => frame[k]); });
   const largest = Math.max(...shape.blocks.flatMap((block, k) => block.points.map((p) => norm(plus(shifted(p, moves[k].centre, moves[k].moved, 1), p, -1)))));
   const turn = Math.max(...moves.map((move) => norm(move.moved.slice(3))));
   const moving = largest > 1e-12 * size;
-  const factor = moving ? Math.min((WHOLE * size) / largest, turn > 0 ? TURN / turn : Infinity) : 0;
-  const far = shape.blocks.flatMap((block, k) => block.points.map((p) => shifted(p, moves[k].centre, moves[k].moved, factor)));
+  const shown = moving ? Math.min((WHOLE * size) / largest, turn > 0 ? TURN / turn : Infinity) : 0;
+  const factor = history ? 1 : shown;
+  const shares = history ? history.times.map((_, k) => k / (history.times.length - 1)) : [factor];
+  const far = shares.flatMap((share) => shape.blocks.flatMap((block, k) => block.points.map((p) => displaced(p, moves[k], share))));
   const motion = [...blocks.values()].map((each) => each.motion).find((each) => each) || null;
   const forces = forcesOf(shape, interfaces), arrows = arrowsOf(row, shape, loads, reactions);
   const ranges = extent([...points, ...far, ...arrows.flatMap(({ tail, tip }) => [tail, tip])]);
-  return { row, shape, interfaces, moves, size, factor, motion, ranges, forces, arrows, thrust };
+  return { row, shape, interfaces, moves, size, factor, motion, ranges, forces, arrows, thrust, history };
 }
 
-const place = (p, { centre, moved, apart }, factor) => plus(shifted(p, centre, moved, factor), apart, spread());
+const place = (p, move, factor) => plus(displaced(p, move, factor), move.apart, spread());
+
+// Where a point is: by a motion that is magnified, or at a share of the time that a path takes.
+function displaced(p, { centre, moved, path }, factor) {
+  if (!path) return shifted(p, centre, moved, factor);
+  const now = path[Math.round(factor * (path.length - 1))], turn = now.slice(3), angle = norm(turn);
+  const arm = plus(p, centre, -1);
+  const here = angle > 0 ? turned(arm, turn.map((v) => v / angle), angle) : arm;
+  return here.map((v, k) => v + centre[k] + now[k]);
+}
 
 // How far blocks are drawn from each other, over how far their centroids are from the middle.
 const spread = () => (APART * Number(at("structure-apart").value)) / 100;
@@ -286,6 +299,12 @@ function drawStructure() {
 function tellMotion(share) {
   const moves = Boolean(drawn.shape) && drawn.factor > 0;
   for (const part of ["motion", "play"]) at(`structure-${part}`).disabled = !moves;
+  at("structure-what").textContent = drawn.history ? "Time" : "Magnify motion";
+  if (drawn.history) {
+    const { times } = drawn.history;
+    at("structure-factor").textContent = `${short(times[Math.round(share * (times.length - 1))])} s`;
+    return;
+  }
   const size = share > 0 ? `× ${short(Number((share * drawn.factor).toPrecision(2)))} (${drawn.motion})` : "undeformed";
   at("structure-factor").textContent = moves ? size : "no motion from this model";
 }
@@ -332,5 +351,5 @@ function startDrawing() {
   fill(at("structure-view"), Object.keys(VIEWS), "from the left");
   for (const part of ["motion", "apart"]) at(`structure-${part}`).addEventListener("input", drawStructure);
   for (const part of ["view", "blocks", "forces", "loads", "thrust"]) at(`structure-${part}`).addEventListener("change", drawStructure);
-  stopMotion = player(at("structure-play"), at("structure-motion"), drawStructure);
+  stopMotion = player(at("structure-play"), at("structure-motion"), drawStructure, () => (drawn.history ? 1000 * drawn.history.times.at(-1) : 0));
 }

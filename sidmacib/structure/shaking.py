@@ -136,6 +136,17 @@ class TimeLoads(StructureLoads):
             raise refused("step", self.step, f"at least {self.duration / MOST_STEPS:g} s")
 
     @property
+    def words(self) -> str:
+        """What acts."""
+        acts = [f"{len(self.ground)} motions of the ground"] if len(self.ground) > 1 else []
+        acts += ["a motion of the ground"] if len(self.ground) == 1 else []
+        acts += ["a sudden force"] if self.sudden.any() else []
+        acts += ["a blow"] if self.speed.any() else []
+        acts += ["a support is lost"] if self.lost is not None else []
+        what = ", ".join(acts) or "weight alone"
+        return f"In time: {what}; {self.duration:g} s in steps of {1e3 * self.step:g} ms"
+
+    @property
     def times(self) -> Floats:
         """At which steps begin, and the end, s."""
         count = math.ceil(self.duration / self.step - 1e-9)

@@ -23,7 +23,6 @@ from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import force_at
 from sidmacib.structure.structure import structure
-from studies.markdown import markdown_of
 
 CUBES = (1, 2, 3)
 EDGE, DENSITY = 0.4, 2000.0  # m, kg/m3
@@ -89,25 +88,6 @@ def compared(count: int) -> dict[str, float]:
         **{"tried_s": end - middle, "found_cost": found.cost, "bound": found.bound},
         "search_s": middle - begin,
     }
-
-
-def rows(results: Path) -> str:
-    """The table of ``tables/all_layouts.csv``."""
-    return markdown_of(
-        pd.read_csv(results / "tables/all_layouts.csv"),
-        {
-            "interfaces": lambda row: f"{row.interfaces}",
-            "layouts": lambda row: f"{row.layouts:,}",
-            "cost of the best": lambda row: f"{row.least_cost:g}",
-            "tried, CPU-s": lambda row: f"{row.tried_s:.1f}",
-            "found by search": lambda row: f"{row.found_cost:g}",
-            "bound": lambda row: f"{row.bound:.4g}",
-            "search, CPU-s": lambda row: f"{row.search_s:.1f}",
-        },
-    )
-
-
-BLOCKS = {"all-layouts": rows}
 
 
 def main(arguments: Sequence[str]) -> None:

@@ -5,12 +5,11 @@ from pathlib import Path
 
 from analysis.drawing import label_of
 from sidmacib.models import REFERENCE_MODEL
-from studies.locks.tables import BONDS, FREEDOMS, INTERACTION, LAW, POINTS, RULE_ERRORS
-from studies.locks.variation import ASSUMED_SIZES, CHARACTERISTIC, SENSITIVITY
+from studies.locks.tables import LAW, RULE_ERRORS
+from studies.locks.variation import ASSUMED_SIZES, CHARACTERISTIC
 from studies.markdown import body, markdown, markdown_of, percent, size, span, table_in
 from workflow.results.tables import CAPACITY
 
-DIRECTIONS = {"0.0": "e = 0", "0.1": "0.1 a", "0.3": "0.3 a", "1.0": "a", "inf": "torsion"}
 BRITTLE = ("bends", "rigid")  # samplings whose peaks the rule is made for
 BODIES = ("columns", "monolithic")
 HOLDS = {"plate": "plate", "pressed": "pressure"}
@@ -20,29 +19,6 @@ RULE_WORDS = {
     "lower_sum": "sum over lower locks",
     "none": "every lock",
 }
-
-
-def law_errors(results: Path) -> str:
-    """Law over the static model's first failure, on rigid pieces."""
-    table = table_in(results, LAW).query(
-        "quantity == 'law / first failure' and sampling == 'rigid' and upper_body == 'all'"
-    )
-    table = table[table["eccentricity_over_a"].isin(DIRECTIONS)]
-    rows = []
-    for (held, dry), part in table.groupby(["held", "dry_faces"], sort=False):
-        errors = [*part.set_index("eccentricity_over_a").loc[list(DIRECTIONS)].itertuples()]
-        rows += [
-            [
-                f"{HOLDS[str(held)]}, {dry}: mean size",
-                *(size(each.mean_absolute_error, 2) for each in errors),
-            ],
-            [
-                "5 % and 95 % quantiles",
-                *(span(each.error_5_percent, each.error_95_percent) for each in errors),
-            ],
-            ["extremes", *(span(each.least_error, each.largest_error, 0) for each in errors)],
-        ]
-    return markdown(["", *DIRECTIONS.values()], rows)
 
 
 def safe_margins(results: Path) -> str:
@@ -63,24 +39,6 @@ def safe_margins(results: Path) -> str:
     return markdown(["", "points", "mean", "nearest to the peak"], rows)
 
 
-def counts(results: Path) -> str:
-    """Number of joints and points of each sampling, and number of points without an answer."""
-    rows = [
-        [
-            str(sampling),
-            f"{part['number'].nunique():,}",
-            f"{len(part):,}",
-            f"{part['first_failure'].isna().sum():,}",
-            f"{part['law'].isna().sum():,}",
-            size(part["first_failure_mesh_error"].abs().quantile(0.95)),
-            f"{part['limit'].notna().sum():,}",
-        ]
-        for sampling, part in table_in(results, POINTS).groupby("sampling", sort=True)
-    ]
-    head = ["sampling", "joints", "points", "no static answer", "no law", "mesh error, 95 %"]
-    return markdown([*head, "limit analyses"], rows)
-
-
 def rules(results: Path) -> str:
     """Share of points where the paper's rules with Option 4 exceed the brittle peak."""
     table = table_in(results, RULE_ERRORS).query("option == 'option4'")
@@ -95,63 +53,6 @@ def rules(results: Path) -> str:
             ]
             rows.append([f"{words}, {body(upper)}", *cells])
     return markdown(["unsafe at; mean error", *(f"n = {group}" for group in groups)], rows)
-
-
-def interaction(results: Path) -> str:
-    """Curves through pure shear and pure torsion against the loads between them."""
-    table = table_in(results, INTERACTION)
-    return markdown_of(
-        table.query("sampling == 'rigid' and eccentricity_over_a == 'all'"),
-        {
-            "p": lambda row: f"{row.exponent:g}",
-            "": lambda row: f"{row.dry_faces}, {body(row.upper_body)}",
-            "mean size of error": lambda row: size(row.mean_absolute_error),
-            "extremes": lambda row: span(row.least_error, row.largest_error, 0),
-        },
-    )
-
-
-def freedoms(results: Path) -> str:
-    """Misfit of SiDMACIB's polygon by its free parameters."""
-    table = table_in(results, FREEDOMS).query("sampling == 'rigid'")
-    rows = []
-    for freedom, part in table.groupby("freedom", sort=False):
-        cells = []
-        for upper in BODIES:
-            chosen = part[part["upper_body"].eq(upper)]
-            mean = (chosen["mean_misfit"] * chosen["joints"]).sum() / chosen["joints"].sum()
-            cells += [size(mean, 0), size(chosen["misfit_95_percent"].max(), 0)]
-        rows.append([str(freedom), *cells])
-    return markdown(["chosen", "columns: mean", "95 %", "one piece: mean", "95 %"], rows)
-
-
-def bonds(results: Path) -> str:
-    """Peaks of bonds that soften or yield, in pure shear."""
-    return markdown_of(
-        table_in(results, BONDS).query("eccentricity_over_a == 0"),
-        {
-            "bonds (fracture energy over stored)": lambda row: row.bonds,
-            "": lambda row: body(row.upper_body),
-            "joints": lambda row: f"{row.points}",
-            "peak over first failure, mean": lambda row: f"{row.mean_peak_over_first_failure:.2f}",
-            "largest": lambda row: f"{row.largest_peak_over_first_failure:.2f}",
-            "peak over P·T0, mean": lambda row: f"{row.mean_peak_over_pairs:.2f}",
-        },
-    )
-
-
-def sensitivity(results: Path) -> str:
-    """Total Sobol indices of the law in pure shear, nine locks."""
-    table = table_in(results, SENSITIVITY).query("locks == 9 and eccentricity_over_a == 0")
-    wide = table.pivot_table(index="parameter", columns="upper_body", values="total", sort=False)
-    return markdown_of(
-        wide,
-        {
-            "parameter": lambda row: row.Index,
-            "columns": lambda row: f"{row.columns:.2f}",
-            "one piece": lambda row: f"{row.monolithic:.2f}",
-        },
-    )
 
 
 def characteristic(results: Path) -> str:
@@ -198,14 +99,8 @@ def engines(results: Path) -> str:
 
 
 BLOCKS: dict[str, Callable[[Path], str]] = {
-    "law-errors": law_errors,
     "safe-margins": safe_margins,
-    "counts": counts,
     "rules": rules,
-    "interaction": interaction,
-    "freedoms": freedoms,
-    "bonds": bonds,
-    "sensitivity": sensitivity,
     "characteristic": characteristic,
     "assumed-sizes": assumed_sizes,
     "engines": engines,

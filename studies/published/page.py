@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Sequence
 from itertools import combinations
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from analysis.calibration.candidates import PEAK_AIM, WEIGHT_AIM, read_as_degrees
@@ -18,12 +17,10 @@ from analysis.published import (
     read_published,
 )
 from analysis.summary.summary import leading_models
-from sidmacib.joint import Direction
 from sidmacib.models import REFERENCE_MODEL
-from studies.markdown import direction, markdown, markdown_of, percent, signed, size, span, table_in
-from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
+from studies.markdown import direction, markdown, markdown_of, signed, size, span, table_in
+from workflow.results.tables import CASES, FIT, VALIDATION, WEIGHTS
 
-SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a
 LOADS = ("sidmacib_pure_shear_option4", "dem_pure_shear")
 HEAD = ("at e = 0", "locks", "mesh (m)", "published")
 FITS = ("not as printed", "fitted")  # to the published numbers, by friction and geometry
@@ -122,32 +119,6 @@ def headline(results: Path) -> str:
     return markdown(["", "published", *head], [rows[0], *rows[2:]])
 
 
-def weights(results: Path) -> str:
-    """Published and computed weights at the finest mesh, also with the first two swapped."""
-    parts = _comparisons(results)
-    return markdown(_head(parts), _lines(parts, ("weight_",), _finest_mesh(parts)))
-
-
-def peaks(results: Path) -> str:
-    """The peak of every model in pure shear, with its mesh error."""
-    table = table_in(results, VALIDATION).query(
-        "quantity == 'dem_pure_shear_N' and model != 'limit'"
-    )
-    return markdown_of(
-        table.sort_values(["locks", "setting", "mesh_m"], kind="stable"),
-        {
-            "locks": lambda row: f"{row.locks}",
-            "setting": lambda row: row.setting.replace(*FITS),
-            "mesh (m)": lambda row: f"{row.mesh_m:g}",
-            "3DEC, published (N)": lambda row: f"{row.published:g}",
-            "model": lambda row: label_of(row.model).name,
-            "V (N)": lambda row: f"{row.computed:.2f}",
-            "difference": lambda row: percent(row.relative_difference, 2),
-            "mesh error": lambda row: NONE if np.isnan(row.mesh_error) else size(row.mesh_error, 2),
-        },
-    )
-
-
 def _static(results: Path) -> pd.DataFrame:
     """The static model's peaks at the finest mesh, by e / a, with a column for each sample."""
     table = table_in(results, CASES)
@@ -165,40 +136,6 @@ def curves(results: Path) -> str:
         for ratio, row in loads.iterrows()
     ]
     return markdown(["e / a", *(f"{sample} (N)" for sample in loads.columns)], rows)
-
-
-def slopes(results: Path) -> str:
-    """-dM/dV over a between the directions, from pure torsion to pure shear."""
-    loads = _static(results).sort_index(ascending=False)
-    directions = [Direction(float(ratio)) for ratio in loads.index]
-    parts = np.array([(each.shear, each.torque) for each in directions])
-    rows = []
-    for sample in loads.columns:
-        shear, torque = parts.T * loads[sample].to_numpy()
-        values = -np.diff(torque) / np.diff(shear)
-        rows.append([sample, ", ".join(f"{value:.2f}" for value in values)])
-    return markdown(["sample, static model", "−dM/dV over a"], rows)
-
-
-def models(results: Path) -> str:
-    """First failure and peak of engines and static model on the same nodes, finest mesh."""
-    cases = table_in(results, CASES).drop_duplicates("case")[["case", "eccentricity_over_a"]]
-    table = table_in(results, MODELS).merge(cases, on="case", suffixes=("_", ""))
-    engines = [name for name in table["model"].unique() if name not in (REFERENCE_MODEL, "limit")]
-    samples = table.loc[table["model"].isin(engines), "sample"].unique()
-    table = table[table["mesh_m"].eq(table["mesh_m"].min())]
-    shown = table[table["sample"].isin(samples) & table["eccentricity_over_a"].isin(SHOWN)]
-    names = [*engines, REFERENCE_MODEL]
-    rows = []
-    for (_, sample, ratio), part in shown.groupby(["locks", "sample", "eccentricity_over_a"]):
-        loads = part.set_index("model")[["first_failure_load_N", "load_N"]]
-        cells = [
-            ", ".join(f"{load:.2f}" for load in loads.loc[name]) if name in loads.index else NONE
-            for name in names
-        ]
-        rows.append([str(sample), direction(float(ratio)), *cells])
-    head = [f"sample, mesh {table['mesh_m'].min():g} m", "e / a"]
-    return markdown([*head, *(f"{label_of(name).name} (N)" for name in names)], rows)
 
 
 def agreement(results: Path) -> str:
@@ -246,20 +183,6 @@ def options(results: Path) -> str:
     )
 
 
-def variants(results: Path) -> str:
-    """Change of the peak by each variant, where reference and variant were both run."""
-    table = table_in(results, VARIANTS).query("model != 'limit'")
-    loads = table.pivot_table(index=["model", "sample", "case"], columns="variant", values="load_N")
-    rows = []
-    for variant in loads.columns.drop("reference"):
-        change = (loads[variant] / loads["reference"] - 1.0).dropna()
-        for (model, sample), part in change.groupby(level=["model", "sample"]):
-            one = len(part) == 1
-            words = percent(part.iloc[0]) if one else span(part.min(), part.max(), 1, " to ")
-            rows.append([variant, label_of(model).name, sample, f"{len(part)}", words])
-    return markdown(["variant", "model", "sample", "cases", "peak over the reference's"], rows)
-
-
 def frictions(results: Path) -> str:
     """Results of `make calibrate` for each friction: the best geometry, and how many fit."""
     table, grid = (
@@ -289,13 +212,8 @@ def frictions(results: Path) -> str:
 BLOCKS: dict[str, Callable[[Path], str]] = {
     "published-three": headline,
     "published-short": beside_short,
-    "weights": weights,
     "curves": curves,
-    "slopes": slopes,
-    "peaks": peaks,
-    "models": models,
     "agreement": agreement,
     "options": options,
-    "variants": variants,
     "frictions": frictions,
 }

@@ -192,20 +192,6 @@ def by_threedec(results: Path) -> str:
     )
 
 
-def by_rbe(results: Path) -> str:
-    """Critical tilts of limit analysis and of rigid-block equilibrium."""
-    return markdown_of(
-        _table(results, "tilts"),
-        {
-            "block, friction, axis": _case,
-            "RBE, published": lambda row: _degrees(row.rbe_degrees),
-            "pyramid of eight sides": lambda row: _degrees(row.pyramid_degrees, 2),
-            "difference": lambda row: _apart(row.pyramid_degrees, row.rbe_degrees),
-            "limit analysis, cone": lambda row: _degrees(row.limit_degrees, 2),
-        },
-    )
-
-
 def within(results: Path) -> str:
     """Number of critical tilts that agree with published ones."""
     table = _table(results, "tilts")
@@ -247,36 +233,10 @@ def shapes(results: Path) -> str:
     )
 
 
-def verdicts(results: Path) -> str:
-    """Samples of compas_cra: which stand upright, and where each turns over."""
-
-    def words(value: Any) -> str:
-        return value if isinstance(value, str) and value else NONE
-
-    return markdown_of(
-        _table(results, "verdicts"),
-        {
-            "sample": lambda row: row.sample,
-            "blocks": lambda row: f"{row.blocks}",
-            "interfaces": lambda row: f"{row.interfaces:,}",
-            "μ": lambda row: f"{row.friction:g}",
-            "RBE of compas_cra": lambda row: words(row.compas_cra_rbe),
-            "pyramid": lambda row: words(row.pyramid),
-            "limit": lambda row: words(row.limit),
-            "static": lambda row: words(row.static),
-            "tilt about": lambda row: row.about.replace("-", "−"),
-            "limit, tilt": lambda row: _degrees(row.limit_degrees),
-            "static, tilt": lambda row: _degrees(row.static_degrees),
-        },
-    )
-
-
 BLOCKS = {
     "structures-within": within,
     "structures-threedec": by_threedec,
-    "structures-rbe": by_rbe,
     "structures-shapes": shapes,
-    "structures-verdicts": verdicts,
 }
 
 

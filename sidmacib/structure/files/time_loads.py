@@ -98,7 +98,7 @@ class TimeSection(Keys):
     """a block that is moving"""
     lost: Text | None = None
     """the name of a fixed block that is taken away"""
-    step: Annotated[float, Number(above=0, at_most=0.1, unit="s")] = 1e-3
+    step: Annotated[float, Number(above=0, at_most=0.1, unit="s")] = 5e-4
     """s"""
     restitution: Part = 0.0
     """with what part of their velocity blocks that meet part"""
