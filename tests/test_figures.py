@@ -25,7 +25,6 @@ from sidmacib import NodeLayout
 from sidmacib.engines import ENGINES
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.models import LAWS
-from studies.published import pictures
 from workflow.case import JointCase
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
@@ -123,32 +122,7 @@ def test_a_model_has_the_same_look_whichever_models_have_results() -> None:
     assert {looks[name]["linestyle"] for name in (*ENGINES, "3dec")} == {"none"}
 
 
-# --- the moving picture of README.md, and the sketch of a joint ----------------------------------
-@pytest.fixture(scope="module")
-def film() -> pictures.Film:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pictures, "MESH", 0.02)
-        return pictures.film()
-
-
-def test_it_names_the_lock_that_fails_first_and_goes_behind_the_peak(film: pictures.Film) -> None:
-    words = list(dict.fromkeys(words for _, words in film.frames()))
-    assert words[0] == "The load rises: all bonds are whole"
-    assert any(each.endswith("lock 2 is the first to fail") for each in words)
-    assert words[-2].endswith("the peak")
-    assert words[-1].startswith("Behind the peak")
-
-
-def test_what_is_shown_rises_to_the_peak_and_loses_bonds_behind_it(film: pictures.Film) -> None:
-    points = [point for point, _ in film.frames()]
-    loads = [point.load for point in points]
-    top = loads.index(max(loads))
-    assert loads[: top + 1] == sorted(loads[: top + 1])
-    bonds = [int(point.state.bonded.sum()) for point in points]
-    assert bonds == sorted(bonds, reverse=True)
-    assert bonds[-1] < bonds[top]
-
-
+# --- the sketch of a joint ------------------------------------------------------------------------
 SVG = "{http://www.w3.org/2000/svg}"
 
 

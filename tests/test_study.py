@@ -51,7 +51,13 @@ def test_config_yaml_spells_out_the_defaults() -> None:
     cut = default.assembly.model_copy(update={"upper_body": UpperBody.COLUMNS})
     as_published = {"nodes": NodeLayout.VERTICES, "assembly": cut}  # 3DEC's
     assert study == default.model_copy(update=as_published)
-    assert [*left_out(Study, config)] == ["samplings", "campaign", "measured", "structures"]
+    assert [*left_out(Study, config)] == [
+        "samplings",
+        "campaign",
+        "measured",
+        "demand",
+        "structures",
+    ]
     del config["dem"]["numerics"]["damping"]
     assert "dem.numerics.damping" in left_out(Study, config)
     assert study.joint("n3") == sawn(3)

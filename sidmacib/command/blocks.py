@@ -44,7 +44,7 @@ GAP = Number(at_least=0, unit="m")
 @click.option(
     "--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'."
 )
-@click.option("--fixed-below", help="Height that blocks reach below which cannot move: 0.5m.")
+@click.option("--fixed-below", help="Fix every block that reaches below this height: 0.5m.")
 @click.option("--friction", help="Coefficient of friction of all interfaces.")
 @click.option("--density", help="In kg/m3, of blocks whose material has none.")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")

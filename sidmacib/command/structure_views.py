@@ -254,7 +254,7 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
         left = float(np.linalg.norm(acting + np.array(total(drawn.reactions))))
         size = float(np.abs(loads[:, :3]).sum())
         kept = "verified" if left <= BALANCED * size else "NOT verified"
-        yield "Reactions balance the loads", f"{left / size:.1e} of the loads is left", kept
+        yield "Reactions balance the loads", f"residual / loads = {left / size:.1e}", kept
     what = "load" if views.problem.loads.axis is None else "tilt"
     for row in rows:
         error = row.get(f"mesh error / {what}")

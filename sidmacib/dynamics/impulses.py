@@ -105,10 +105,8 @@ def _apply(speed, spin, a, b, shares, frame, turned, c, r0, r1, r2):
         r = r0 * frame[c, 0, i] + r1 * frame[c, 1, i] + r2 * frame[c, 2, i]
         speed[a, i] -= one * r
         speed[b, i] += other * r
-        for p, side, sign in ((a, 0, -1.0), (b, 1, 1.0)):
-            spin[p, i] += sign * (
-                r0 * turned[c, side, 0, i] + r1 * turned[c, side, 1, i] + r2 * turned[c, side, 2, i]
-            )
+        spin[a, i] -= r0 * turned[c, 0, 0, i] + r1 * turned[c, 0, 1, i] + r2 * turned[c, 0, 2, i]
+        spin[b, i] += r0 * turned[c, 1, 0, i] + r1 * turned[c, 1, 1, i] + r2 * turned[c, 1, 2, i]
 
 
 @compiled
@@ -137,9 +135,13 @@ def _solve(bodies, state, contacts, work, unit):
             for i in range(3):
                 v, x, y = speed[b, i] - speed[a, i], spin[b, i], spin[a, i]
                 u0 += frame[c, 0, i] * v + arms[c, 1, 0, i] * x - arms[c, 0, 0, i] * y
+            r0 = max(impulse[c, 0] - yields[c, 0] * (u0 - wanted[c]), 0.0)
+            if r0 == 0.0 and impulse[c, 0] == 0.0:
+                continue  # open
+            for i in range(3):
+                v, x, y = speed[b, i] - speed[a, i], spin[b, i], spin[a, i]
                 u1 += frame[c, 1, i] * v + arms[c, 1, 1, i] * x - arms[c, 0, 1, i] * y
                 u2 += frame[c, 2, i] * v + arms[c, 1, 2, i] * x - arms[c, 0, 2, i] * y
-            r0 = max(impulse[c, 0] - yields[c, 0] * (u0 - wanted[c]), 0.0)
             r1, r2 = impulse[c, 1] - yields[c, 1] * u1, impulse[c, 2] - yields[c, 1] * u2
             most, size = contacts.mu[c] * r0, np.sqrt(r1 * r1 + r2 * r2)
             if size > most:

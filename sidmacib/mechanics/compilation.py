@@ -24,8 +24,8 @@ UNUSABLE = OSError, EOFError, UnpicklingError  # of a file: not readable, no roo
 # With their names, as what is kept refers to modules by name.
 _texts = [
     path.parent.name.encode() + path.name.encode() + path.read_bytes()
-    for folder in ("mechanics", "dynamics")
-    for path in sorted((Path(__file__).parents[1] / folder).rglob("*.py"))
+    for folder in (Path(__file__).parent, Path(__file__).parents[1] / "dynamics")
+    for path in sorted(folder.rglob("*.py"))
 ]
 # Numba compiles a function again where its file has changed, but not where one that it calls has.
 VERSION = sha256(b"".join(text for text in _texts if b"@compiled" in text)).hexdigest()[:12]

@@ -79,7 +79,7 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
     depth, words = deepest_overlap(blocks, near * mean_size(blocks))
     if words:
         if wide := proposed(blocks, depth):
-            words += f"; tolerance: {wide} takes them as touching"
+            words += f"; to accept this, set tolerance: {wide}"
         raise ValueError(f"blocks: {words}")
     found = touching(blocks, near)
     touched = {end for each in found for end in (each.below, each.above)}
@@ -97,7 +97,8 @@ def _nearest(blocks: Sequence[Block], number: int) -> str:
     if not gaps:
         return "no face that looks at one of its own is near"
     gap = min(gaps)
-    return f"the nearest is {gap:.2g} m away; tolerance: {proposed(blocks, gap)} takes it"
+    wide = proposed(blocks, gap)
+    return f"the nearest is {gap:.2g} m away; to accept the gap, set tolerance: {wide}"
 
 
 def proposed(blocks: Sequence[Block], gap: float) -> float | None:

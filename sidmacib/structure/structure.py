@@ -118,8 +118,8 @@ def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]
     held = {group[number] for number, piece in enumerate(pieces) if piece.fixed}
     if not held:
         raise ValueError(
-            "blocks: none is fixed; name those that cannot move: by --fixed or --fixed-below, or "
-            "by fixed in a YAML file, of the same name as a file of blocks"
+            "blocks: none is fixed; use --fixed NAMES or --fixed-below HEIGHT, or fixed: true in a "
+            "YAML file, of the same name as a file of blocks"
         )
     loose = [piece.name for piece, of in zip(pieces, group, strict=True) if of not in held]
     if loose:

@@ -70,7 +70,7 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
     one, other = (assembly.pieces[number].name for number in sorted(pairs[0]))
     remedy = "they have no interface in the file"
     if not from_file:
-        remedy = f"tolerance: {tolerance_for(gap, size)} takes them as touching"
+        remedy = f"to take them as touching, set tolerance: {tolerance_for(gap, size)}"
     yield (
         f"{len(touch)} pairs of blocks touch ({math.fsum(touch.values()):.3g} m2); faces of "
         f"{len(pairs)} more ({area:.3g} m2), such as {one} and {other}, do not, but are up to "
