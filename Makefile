@@ -14,7 +14,7 @@
 # make fuzz    change inputs at random, FUZZ=100000; each must give an answer or a one-line error
 # make same    compare tables and figures byte for byte: on one core, under four kernels, PYTHONS=other bin/python
 # make attack  search for joints whose safe load exceeds their capacity, EVALUATIONS=1800 per start
-# make measured  compare loads that walls carried in laboratories with what is computed, with figures
+# make measured  compare loads that walls and dry contacts carried in laboratories with what is computed
 # make structures  compare structures of blocks with published results; PEERS=1: with compas_cra as well
 # make scaling measure time, files and memory of large studies, CASES=100000
 # make docs    build the pages as a site: build/docs/index.html

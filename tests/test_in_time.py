@@ -12,6 +12,7 @@ from command_runner import run
 from conftest import ROOT
 from scipy.integrate import solve_ivp
 
+import sidmacib
 from sidmacib.answers.in_time import TimeAnswer, falls_at
 from sidmacib.dynamics.motion import History
 from sidmacib.errors import CapacityError
@@ -203,6 +204,35 @@ def test_a_block_that_is_not_convex_holds_another_in_its_notch() -> None:
     assert np.abs(free(answer.history)).max() < 1e-6
 
 
+def drum(sides: int) -> dict[str, Any]:
+    """A prism of so many sides about an axis, 1 m wide and 1 m high."""
+    angles = 2 * np.pi * np.arange(sides) / sides
+    base = [[0.5 * math.cos(each), 0.5 * math.sin(each), 0.0] for each in angles]
+    return {"outline": base, "along": [0, 0, 1]}
+
+
+@pytest.mark.parametrize("sides", [12, 24, 40])
+def test_a_drum_rests_and_tips_about_its_edge_where_statics_says(sides: int) -> None:
+    """A force at its top tips it at W r / h, with the distance r of the edge in its direction."""
+    blocks = {"ground": GROUND, "drum": drum(sides)}
+    weight = 2000 * GRAVITY * sides / 8 * math.sin(2 * math.pi / sides)
+    assert moved(blocks, {"duration": 0.5}, 0.8).largest_turn.size < 1e-6
+    for angle in (0.0, 0.4, 1.9, 3.6):
+        direction = [math.cos(angle), math.sin(angle), 0]
+        reach = max(0.5 * math.cos(angle - 2 * math.pi * k / sides) for k in range(sides))
+        acts = {"block": "drum", "at": [0, 0, 1], "direction": direction}
+        load = {"force": acts, "duration": 0.5}
+        held = moved(blocks, {**load, "newtons": 0.9 * weight * 0.5 * math.cos(0.27)}, 5.0)
+        assert held.largest_turn.size < 1e-4
+        tipped = moved(blocks, {**load, "newtons": 1.1 * weight * reach}, 5.0)
+        assert tipped.largest_turn.size > 0.02
+
+
+def test_a_side_of_too_many_corners_is_refused() -> None:
+    with pytest.raises(CapacityError, match="drum has a side of more than 64 corners"):
+        moved({"ground": GROUND, "drum": drum(80)}, {"duration": 0.5}, 0.5)
+
+
 def test_records_are_read_by_columns_and_as_at2(tmp_path: Path) -> None:
     time = np.arange(0.0, 2.0, 0.01)
     values = 0.4 * np.sin(5.0 * time) * np.exp(-time)
@@ -278,5 +308,22 @@ def test_bonds_are_refused_and_other_doors_say_where_time_is_for() -> None:
     given["interfaces"] |= {"cohesion": 1e5, "tensile_strength": 1e5}
     with pytest.raises(CapacityError, match="in time: ground-block is not dry"):
         TimeAnswer.of(demands_of(given)[0].problem)
-    with pytest.raises(ValueError, match="for multilock assembly only"):
-        structure_of(described(blocks, {"duration": 1}, 0.5))
+    given["interfaces"] = {"friction": 0.5, "compressive_strength": 1e6}
+    with pytest.raises(CapacityError, match="in time: blocks are not crushed"):
+        TimeAnswer.of(demands_of(given)[0].problem)
+    for door in (structure_of, sidmacib.ask):
+        with pytest.raises(ValueError, match="for multilock assembly only"):
+            door(described(blocks, {"duration": 1}, 0.5))
+
+
+def test_a_motion_that_goes_on_is_noted_and_collapse_needs_one(tmp_path: Path) -> None:
+    path = tmp_path / "block.yaml"
+    load = {"ground": pulse(1.0, 5.0), "duration": 1}
+    path.write_text(yaml.safe_dump(described({"ground": GROUND, "block": FLAT}, load, 0.5)))
+    assert "load.duration: the ground moves on for 4 s more" in run("assembly", str(path)).output
+    still = described({"ground": GROUND, "block": FLAT}, {"duration": 1}, 0.5)
+    path.write_text(yaml.safe_dump(still))
+    assert "--collapse: needs load.ground" in run("assembly", str(path), "--collapse").output
+    path.write_text(yaml.safe_dump({**still, "load": {"acceleration": [1, 0, 0]}}))
+    words = "--collapse: needs a load with a duration"
+    assert words in run("assembly", str(path), "--collapse").output

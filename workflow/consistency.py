@@ -313,6 +313,8 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     # Polygons take long to import.
     from sidmacib.structure.files import structure_file  # noqa: PLC0415
     from sidmacib.structure.files.loads import LoadSection  # noqa: PLC0415
+    from sidmacib.structure.files.sections import OF_TIME  # noqa: PLC0415
+    from sidmacib.structure.shaking import IN_TIME  # noqa: PLC0415
 
     for variant, whole in section.wholes():
         place = f"variants.{variant}" if variant != REFERENCE else "description"
@@ -334,6 +336,9 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
             continue
         loads: Mapping[str, Any] = section.loads or {LOAD: whole[LOAD]}
         for name, load in loads.items():
+            if isinstance(load, Mapping) and OF_TIME & {*load}:
+                yield f"{key}.{place}: {IN_TIME}"
+                continue
             try:
                 beside = structure_file.permanent_of(assembly, whole)
                 LoadSection.read(load, LOAD).on(assembly, beside)

@@ -279,8 +279,13 @@ def of_leading(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
 def _demanded(demands: pd.DataFrame) -> Question:
     """Whether each joint carries the load that the study asks for."""
     verdicts = {row.sample: str(row.verdict) for row in demands.itertuples()}
-    lost = [row.sample for row in demands.itertuples() if not row.carried]
-    words = f"No: {listed(lost)} {'does' if len(lost) == 1 else 'do'} not" if lost else "Yes"
+    unknown = demands["open"].astype(bool)
+    lost = demands.loc[~demands["carried"].astype(bool) & ~unknown, "sample"].tolist()
+    words = "Yes"
+    if lost:
+        words = f"No: {listed(lost)} {'does' if len(lost) == 1 else 'do'} not"
+    elif unknown.any():
+        words = f"Open: no answer for {listed(demands.loc[unknown, 'sample'])}"
     return Question(DEMANDED, words, verdicts, "is the load carried?")
 
 

@@ -167,19 +167,17 @@ def demand_rows(study: Study, given: DemandSection) -> Iterator[dict[str, Any]]:
     """Whether each sample carries the ``given`` load, as `multilock capacity` says."""
     reliability = Reliability(study.reliability.scatter, study.reliability.gamma_m)
     demand = Demand(given.shear or 0.0, given.torque or 0.0, given.eccentricity, reliability)
-    models = {
+    asked = {
         "safe": joint_answers.MODELS["safe"],
         **joint_answers.resistances(reliability, decides=True),
     }
+    decides = "design" if "design" in asked else "safe"
     for sample in study.samples:
         joint = study.joint(sample)
         direction, load = demand.direction(joint), demand.load(joint)
         push = study.assembly.push
-        answers = {
-            name: joint_answers.answer_of(name, model, joint, direction, push)
-            for name, model in models.items()
-        }
-        found = joint_answers.joint_verdict(demand, joint, answers)
+        answer = joint_answers.answer_of(decides, asked[decides], joint, direction, push)
+        found = joint_answers.joint_verdict(demand, joint, {decides: answer})
         yield {
             "sample": sample,
             "required_shear_N": load * direction.shear,

@@ -8,15 +8,17 @@ from functools import cached_property
 import numpy as np
 
 from sidmacib.dynamics.motion import FALLEN, History, history
-from sidmacib.mechanics.assembly import Floats
+from sidmacib.dynamics.shapes import convex_parts
+from sidmacib.mechanics.assembly import Floats, Piece
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits
 from sidmacib.structure.shaking import TimeLoads
 
 STEEPEST = 64.0  # largest factor on the ground motion that is tried, and its inverse the least
 PRECISION = 0.01  # of the factor at which a structure falls
+PRESSED = 0.02  # of the smallest dimension: solids that reach deeper into each other are wrong
 LOOSE = 1e-2  # changes of impulses, over the largest one: more is said
-FELL = f"turned by {math.degrees(FALLEN):g} degrees, or sunk by half of its least size"
+FELL = f"turned by {math.degrees(FALLEN):g} degrees, or sunk by half of its smallest dimension"
 
 
 @dataclass(frozen=True)
@@ -71,9 +73,19 @@ class TimeAnswer:
         return Extreme(float(size[when, piece]), name, float(time))
 
     @property
+    def open(self) -> bool:
+        """Whether blocks reach into each other by too much to say that they stand."""
+        pieces = self.problem.assembly.pieces
+        least = min(float(np.ptp(_corners(piece), axis=0).min()) for piece in pieces)
+        return self.history.stands and self.history.pressed > PRESSED * least
+
+    @property
     def words(self) -> str:
         """The answer in a line, with yes or no."""
         first, end = self.history.first_fallen, float(self.history.time[-1])
+        if self.open:
+            pressed = self.history.pressed
+            return f"Open: blocks reach into each other by {pressed:.2g} m; halve load.step"
         if first is None:
             moved, turned = self.largest_shift, self.largest_turn
             return (
@@ -93,8 +105,16 @@ class TimeAnswer:
         return f"rigid blocks, inelastic impacts; {pressed}{doubt}"
 
 
-def falls_at(problem: Problem, tell: Callable[[str], object] = str) -> float | None:
+def _corners(piece: Piece) -> Floats:
+    return np.concatenate([each.places for each in convex_parts(piece)])
+
+
+def falls_at(
+    problem: Problem, known: bool | None = None, tell: Callable[[str], object] = str
+) -> float | None:
     """The factor on the ground motion at which the structure falls; None up to `STEEPEST`.
+
+    0 if it falls down to the inverse of that. ``known``: whether it stands under the motion itself.
 
     By doubling or halving until it falls or stands, and bisection in between. It may stand again at
     larger factors, and fall at smaller ones that were not tried. ``tell`` is told what is found.
@@ -108,7 +128,7 @@ def falls_at(problem: Problem, tell: Callable[[str], object] = str) -> float | N
         return found
 
     low = high = 1.0
-    if stands(1.0):
+    if stands(1.0) if known is None else known:
         while high == low or stands(high):
             low, high = high, 2.0 * high
             if high > STEEPEST:

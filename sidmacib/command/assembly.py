@@ -139,7 +139,7 @@ def passes(wanted: Wanted) -> bool:
         return _cases_pass(wanted, demands)
     if isinstance(first.problem.loads, TimeLoads):
         return _stands_in_time(wanted, first.problem)
-    wanted.refuse("is for what acts in time: load.duration", "history", "collapse")
+    wanted.refuse("needs a load with a duration (load.duration)", "history", "collapse")
     if isinstance(first.problem.loads, SupportMotion):
         _answer_support(wanted, first.problem)
         return True
@@ -178,13 +178,18 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
     """What happens in time, and at which factor on the ground motion the structure falls."""
     wanted.refuse("must not be given where loads act in time", *OF_LOADS)
     tell = telling(problem)
+    assert isinstance(problem.loads, TimeLoads), "loads in time"
+    if not problem.loads.ground:
+        wanted.refuse("needs load.ground", "collapse")
+    for line in problem.loads.cut_off:
+        click.echo(f"Note: {line}", err=True)
     tell("steps in time ...")
     answer = TimeAnswer.of(problem)
     say(answer.words, wanted.form)
     rows = time_rows(answer)
     if wanted.collapse:
-        rows.append(collapse_row(problem, tell))
-    about = {"verdict": "yes" if answer.history.stands else "no", "answer": answer.words}
+        rows.append(collapse_row(answer, tell))
+    about = {"verdict": answer.words.partition(":")[0].lower(), "answer": answer.words}
     wanted.show(rows, **about)
     if wanted.history is not None:
         write_text(text_of(history_rows(answer), "csv") + "\n", wanted.history, "--history")
@@ -194,7 +199,7 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
         command = shlex.join(["multilock", *sys.argv[1:]])
         text = time_page(answer, wanted.file.stem, rows, wanted.notes, command)
         write_text(text, wanted.report, "--report")
-    return answer.history.stands
+    return answer.history.stands and not answer.open
 
 
 def _answer_support(wanted: Wanted, problem: Problem) -> None:

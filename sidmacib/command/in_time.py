@@ -12,12 +12,13 @@ from sidmacib.command.answers import Row
 from sidmacib.command.output import in_asked_words, plot
 from sidmacib.command.structure_views import page_words
 from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, OCHRE, ORANGE, PURPLE, SKY, VERMILION
-from sidmacib.problem import Outcome, Problem, State
+from sidmacib.problem import Outcome, State
 from sidmacib.scene.drawn import Drawn, shape_of
 from sidmacib.scene.forces import arrows_of
 from sidmacib.scene.page import page
 from sidmacib.structure.shaking import TimeLoads
 
+VALIDATED = "No shake-table test has been compared with these motions."
 FRAMES = 150  # of the page, at most
 MONOTONIC = "larger factors need not fell it, and smaller ones may"
 COLOURS = BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY  # of blocks
@@ -46,9 +47,9 @@ def time_rows(answer: TimeAnswer) -> list[Row]:
     return rows
 
 
-def collapse_row(problem: Problem, tell: Tell) -> Row:
+def collapse_row(answer: TimeAnswer, tell: Tell) -> Row:
     """The factor on the ground motion at which the structure falls."""
-    factor = falls_at(problem, tell)
+    factor = falls_at(answer.problem, answer.history.stands, tell)
     note = MONOTONIC
     if factor is None:
         note = f"it stands up to {STEEPEST:g}"
@@ -92,7 +93,8 @@ def time_page(
     }
     said = in_asked_words(answer.words)
     words = page_words(said, f"{problem.loads.words}.", notes, rows)
-    return page({"structures": [structure]}, {**words, "title": title, "command": command})
+    more = {"title": title, "command": command, "validated": VALIDATED}
+    return page({"structures": [structure]}, {**words, **more})
 
 
 def drift_picture(answer: TimeAnswer, title: str) -> Figure:

@@ -12,8 +12,9 @@ import numpy as np
 from sidmacib.mechanics.compilation import compiled
 from sidmacib.mechanics.newton.vectors import cross, dot
 
-MOST = 32  # corners of an outline that is cut
-POINTS = 16  # contacts of two solids
+CORNERS = 64  # of a side, at most
+MOST = 2 * CORNERS  # of an outline that is cut
+POINTS = 16  # contacts of two solids, the outermost of more
 EDGE = 1e-3  # over the solids' size: edges count where they part the solids by so much more
 THIN = 1e-6  # over it: a narrower overlap of outlines bears nothing
 PARALLEL = 1e-3  # least sine between edges that give a direction
@@ -150,24 +151,63 @@ def _on_side(solids, places, side, other, size, reach, place, gaps):
             return 0
     if count < 3 or _width(outline, count, normal) < 4.0 * THIN * size:
         return 0
-    found = 0
+    found = 0  # points that are near, at the start of the outline
     for k in range(count):
         gap = dot(_row(outline, k), normal) - on
-        if gap > reach:
-            continue
-        same = False
-        for earlier in range(found):
-            apart = 0.0
-            for i in range(3):
-                apart = max(apart, abs(place[earlier, i] - outline[k, i]))
-            same = same or apart < 10.0 * THIN * size
-        if same or found == POINTS:
+        if gap > reach or _is_there(outline, found, k, 10.0 * THIN * size):
             continue
         for i in range(3):
-            place[found, i] = outline[k, i] - 0.5 * gap * normal[i]
-        gaps[found] = gap
+            outline[found, i] = outline[k, i]
         found += 1
+    found = _outermost(outline, found, normal)
+    for k in range(found):
+        gaps[k] = dot(_row(outline, k), normal) - on
+        for i in range(3):
+            place[k, i] = outline[k, i] - 0.5 * gaps[k] * normal[i]
     return found
+
+
+@compiled
+def _is_there(outline, found, k, near):
+    """Whether the point ``k`` of an outline is one of its first ``found``."""
+    for earlier in range(found):
+        apart = 0.0
+        for i in range(3):
+            apart = max(apart, abs(outline[earlier, i] - outline[k, i]))
+        if apart < near:
+            return True
+    return False
+
+
+@compiled
+def _outermost(outline, count, normal):
+    """Put those of ``count`` points first that are outermost in `POINTS` directions: how many."""
+    if count <= POINTS:
+        return count
+    along = normal[0] if abs(normal[0]) < 0.6 else normal[1]
+    t = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.6 else (0.0, 1.0, 0.0)
+    t = (t[0] - along * normal[0], t[1] - along * normal[1], t[2] - along * normal[2])
+    length = np.sqrt(dot(t, t))
+    t = (t[0] / length, t[1] / length, t[2] / length)
+    u = cross(normal, t)
+    chosen = np.zeros(count, np.bool_)
+    for way in range(POINTS):
+        angle = 2.0 * np.pi * way / POINTS
+        c, s = np.cos(angle), np.sin(angle)
+        axis = (c * t[0] + s * u[0], c * t[1] + s * u[1], c * t[2] + s * u[2])
+        best, most = 0, -np.inf
+        for k in range(count):
+            out = dot(_row(outline, k), axis)
+            if out > most:
+                best, most = k, out
+        chosen[best] = True
+    kept = 0
+    for k in range(count):
+        if chosen[k]:
+            for i in range(3):
+                outline[kept, i] = outline[k, i]
+            kept += 1
+    return kept
 
 
 @compiled

@@ -93,7 +93,7 @@ def find_contacts(solids, places, pairs, reach, before, now):
         pairs.side[k] = side
         while old < before.count[0] and before.pair[old] < k:
             old += 1
-        for c in range(min(found, len(now.gap) - count)):
+        for c in range(found):
             _put_frame(normal, now.frame[count])
             for i in range(3):
                 now.place[count, i] = place[c, i]

@@ -11,15 +11,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sidmacib.dynamics.bodies import State
+from sidmacib.dynamics.collide import POINTS
 from sidmacib.dynamics.contacts import Contacts, Pairs
 from sidmacib.dynamics.impulses import Acting, steps
 from sidmacib.dynamics.shapes import Shapes
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.structure.shaking import TimeLoads
 
 REACH = 0.005  # over the mean size of solids: gaps that may close before pairs are sought again
-PER_PAIR = 8  # contacts of a pair that there is room for
 FALLEN = math.radians(45.0)
 SUNK = 0.5  # of a block's least size
 KEPT = 0.01  # s: between positions that are kept
@@ -70,6 +71,8 @@ def history(
             raise CapacityError(
                 f"{WHAT}: {face.name} is not dry; leave out cohesion, tensile strength and locks"
             )
+    if crushed_faces(assembly):
+        raise CapacityError(f"{WHAT}: blocks are not crushed; leave out compressive_strength")
     motion = _Motion(assembly, loads)
     ground = loads.accelerations(factor)
     every = max(round(KEPT / loads.step), 1)
@@ -79,7 +82,7 @@ def history(
         motion.run(ground[start : start + every])
         kept.append(motion.position())
         motion.note_fallen(loads.step * min(start + every, len(ground)))
-        if kept_on < len(kept) * every * loads.step - float(motion.fallen.min()):
+        if kept_on <= (len(kept) - 1) * every * loads.step - float(motion.fallen.min()):
             break
     time = np.minimum(np.arange(len(kept)) * every, len(ground)) * loads.step
     shift, turn, energy = (np.array(each) for each in zip(*kept, strict=True))
@@ -190,7 +193,7 @@ class _Motion:
     @staticmethod
     def _room(pairs: int) -> tuple[Contacts, Contacts]:
         """Room for contacts of ``pairs``, before and after a step."""
-        room = PER_PAIR * pairs + 1
+        room = POINTS * pairs + 1
 
         def empty() -> Contacts:
             return Contacts(

@@ -8,7 +8,9 @@ import numpy as np
 import trimesh
 
 from sidmacib.dynamics.bodies import Bodies
+from sidmacib.dynamics.collide import CORNERS
 from sidmacib.dynamics.contacts import Places, Solids
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Integers, Piece
 from sidmacib.structure.blocks import Block, box, solids_of
 from sidmacib.structure.overlaps import meeting_boxes, solid_of
@@ -70,7 +72,7 @@ def _cut(block: Block) -> Iterator[Convex]:
             parts += 1
             continue
         if parts + len(whole) > MOST_PARTS:
-            raise ValueError(f"{block.name}: has more than {MOST_PARTS} convex parts")
+            raise CapacityError(f"in time: {block.name} has more than {MOST_PARTS} convex parts")
         pairs = body.face_adjacency[bent]
         side = int(pairs[0, 0])
         normal = body.face_normals[side]
@@ -109,7 +111,7 @@ class Shapes:
 
     @classmethod
     def of(cls, assembly: Assembly) -> "Shapes":
-        """Of all pieces; ValueError for a block of too many convex parts."""
+        """Of all pieces; `CapacityError` for too many convex parts, or corners of a side."""
         parts = [
             (number, each)
             for number, piece in enumerate(assembly.pieces)
@@ -118,7 +120,10 @@ class Shapes:
         bounds = {name: [0] for name in ("vertices", "sides", "edges", "rims", "outlines")}
         corners: list[int] = []
         ends: list[Integers] = []
-        for _, each in parts:
+        for number, each in parts:
+            if max(map(len, each.outlines)) > CORNERS:
+                name = assembly.pieces[number].name
+                raise CapacityError(f"in time: {name} has a side of more than {CORNERS} corners")
             start = bounds["vertices"][-1]
             for outline in each.outlines:
                 corners += [start + vertex for vertex in outline]

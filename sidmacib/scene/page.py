@@ -58,7 +58,7 @@ def rendered(template: Path, **words: Any) -> str:
     folders = FileSystemLoader([HERE, template.parent])
     environment = Environment(loader=folders, undefined=StrictUndefined, autoescape=True)
     given = {"version": version("multilock"), "validated": VALIDATED}
-    return environment.get_template(template.name).render(**given, **words)
+    return environment.get_template(template.name).render(**given | words)
 
 
 def _rounded(text: str) -> float:

@@ -5,6 +5,7 @@ Accelerations of the ground are given to steps by their means, as differences of
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -14,11 +15,10 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import GRAVITY, Floats
 from sidmacib.structure.loads import StructureLoads
-from sidmacib.validation import refused
 
+IN_TIME = "load.duration: what acts in time is for multilock assembly only"
 AT2 = re.compile(r"NPTS\s*=\s*(\d+).*?DT\s*=\s*([-+.\dEe]+)", re.IGNORECASE | re.DOTALL)
 AT2_HEAD = 4  # lines
-MOST_STEPS = 10_000_000
 
 
 class Shape(StrEnum):
@@ -30,7 +30,12 @@ class Shape(StrEnum):
 
 
 class Ground(Protocol):
-    """A ground motion."""
+    """A ground motion, which ends at a time, ``end`` (s)."""
+
+    @property
+    def end(self) -> float:
+        """In s."""
+        ...
 
     def velocity(self, time: Floats) -> Floats:
         """At times from the start (s), (K,): m/s, (K, 3)."""
@@ -45,6 +50,11 @@ class Pulse:
     acceleration: float
     duration: float
     direction: tuple[float, ...]
+
+    @property
+    def end(self) -> float:
+        """See `Ground`."""
+        return self.duration
 
     def velocity(self, time: Floats) -> Floats:
         """See `Ground`."""
@@ -63,6 +73,11 @@ class Accelerogram:
     time: Floats
     acceleration: Floats
     direction: tuple[float, ...]
+
+    @property
+    def end(self) -> float:
+        """See `Ground`."""
+        return float(self.time[-1])
 
     def velocity(self, time: Floats) -> Floats:
         """See `Ground`; beyond the record the ground moves on as it did at its end."""
@@ -87,8 +102,10 @@ def accelerogram(
     if path.suffix.lower() == ".at2":
         found = AT2.search(text)
         values = " ".join(text.splitlines()[AT2_HEAD:]).split()
-        if found is None or len(values) < 2:
+        if found is None or len(values) < 2 or not all(map(_is_number, values)):
             raise ValueError(f"{path.name}: must have NPTS= and DT= in its head, and numbers")
+        if len(values) != int(found[1]):
+            raise ValueError(f"{path.name}: has {len(values)} values; NPTS says {found[1]}")
         steps = float(found[2])
         rows = np.array([(k * steps, float(each)) for k, each in enumerate(values)])
         unit = GRAVITY if unit is None else unit
@@ -130,10 +147,12 @@ class TimeLoads(StructureLoads):
     step: float
     restitution: float
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.duration / self.step > MOST_STEPS:
-            raise refused("step", self.step, f"at least {self.duration / MOST_STEPS:g} s")
+    @property
+    def cut_off(self) -> Iterator[str]:
+        """A line if the ground moves on after the end."""
+        later = max((each.end for each in self.ground), default=0.0) - self.duration
+        if later > self.step:
+            yield f"load.duration: the ground moves on for {later:.4g} s more"
 
     @property
     def words(self) -> str:

@@ -10,6 +10,7 @@ import argparse
 import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -39,6 +40,7 @@ CELL = 0.015  # m, of the whole face
 CLASSES = (0.0, 0.005, 0.015, 0.03, 0.05, math.inf)  # of eccentricity, m
 
 
+@cache
 def given() -> dict[str, Any]:
     """The block and its supports, as in the file."""
     return dict(read_yaml(HERE / "contacts.yaml"))
@@ -87,11 +89,8 @@ def row(push: dict[str, Any]) -> dict[str, Any]:
 
 def pushes() -> list[dict[str, Any]]:
     """All rows of `pushes.csv`."""
-    return [{str(k): v for k, v in each.items()} for each in _read().to_dict("records")]
-
-
-def _read() -> pd.DataFrame:
-    return pd.read_csv(HERE / "pushes.csv")
+    table = pd.read_csv(HERE / "pushes.csv")
+    return [{str(k): v for k, v in each.items()} for each in table.to_dict("records")]
 
 
 def by_eccentricity(table: pd.DataFrame) -> Iterator[tuple[float, float, pd.DataFrame]]:
@@ -154,7 +153,7 @@ def in_classes(results: Path) -> str:
         ends = f"over {1e3 * low:g}" if math.isinf(high) else f"{1e3 * low:g} to {1e3 * high:g}"
         cells = [[str(len(p)), f"{p['measured_over_static'].median():.2f}"] for p in (feet, flat)]
         lines.append([ends, *cells[0], *cells[1]])
-    head = ["e (mm)", "on feet", "median", "whole face", "median"]
+    head = ["e (mm)", "loads on feet", "median", "loads on the face", "median"]
     return markdown(head, lines)
 
 

@@ -27,6 +27,7 @@ from sidmacib.structure.files.time_loads import TimeSection
 from sidmacib.structure.interfaces import NEAR, Interface, in_order, interfaces, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
+from sidmacib.structure.shaking import IN_TIME
 from sidmacib.structure.structure import Pair, rows_of, structure
 from sidmacib.structure.warnings import structure_warnings
 from sidmacib.yaml_text import read_yaml
@@ -83,7 +84,7 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
         words = "; load_cases are for multilock assembly and studies" if given.load_cases else ""
         raise ValueError(f"load: missing; this key is required{words}")
     if isinstance(given.load, TimeSection):
-        raise ValueError("load.duration: what acts in time is for multilock assembly only")
+        raise ValueError(IN_TIME)
     (demand,) = demands_of(given, folder)
     return demand.problem
 

@@ -13,8 +13,10 @@ from sidmacib.reading import Keys, Some, Text, Way
 from sidmacib.structure.files.loads import ForceSection, Newtons
 from sidmacib.structure.loads import Permanent, numbered, permanent_force, permanent_only
 from sidmacib.structure.shaking import Ground, Pulse, Shape, TimeLoads, accelerogram
+from sidmacib.validation import refused
 
 Seconds = Annotated[float, Number(above=0, unit="s")]
+MOST_STEPS = 10_000_000
 _Speed = Annotated[float, Number(unit="m/s")]
 UNITS = {"m/s2": 1.0, "cm/s2": 0.01, "g": GRAVITY}
 
@@ -27,7 +29,7 @@ class PulseSection(Keys):
     acceleration: Annotated[float, Number(above=0, unit="m/s2")]
     """the largest, m/s2, or such as 0.5g"""
     duration: Seconds
-    """s"""
+    """how long it lasts, s"""
 
 
 class GroundSection(Keys):
@@ -77,14 +79,14 @@ class SpeedSection(Keys):
     block: Text
     """its name"""
     velocity: tuple[_Speed, _Speed, _Speed]
-    """m/s"""
+    """three components, m/s"""
 
 
 class TimeSection(Keys):
     """What acts in time, from the moment 0, for a duration."""
 
     duration: Seconds
-    """s"""
+    """how long the blocks are followed, s"""
     ground: Annotated[
         tuple[GroundSection, ...],
         BeforeValidator(_several, json_schema_input_type=GroundSection | tuple[GroundSection, ...]),
@@ -99,14 +101,16 @@ class TimeSection(Keys):
     lost: Text | None = None
     """the name of a fixed block that is taken away"""
     step: Annotated[float, Number(above=0, at_most=0.1, unit="s")] = 5e-4
-    """s"""
+    """time step, s; errors are proportional to it"""
     restitution: Part = 0.0
-    """with what part of their velocity blocks that meet part"""
+    """velocity after an impact over that before it"""
 
     @model_validator(mode="after")
     def _acts(self) -> Self:
         if (self.force is None) != (self.newtons is None):
             raise ValueError("must have both force and newtons, or neither")
+        if self.duration / self.step > MOST_STEPS:
+            raise refused("step", self.step, f"at least {self.duration / MOST_STEPS:g} s")
         return self
 
     def on(
