@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from sidmacib.dynamics.motion import FALLEN, History, history
-from sidmacib.dynamics.shapes import convex_parts
-from sidmacib.mechanics.assembly import Floats, Piece
+from sidmacib.mechanics.assembly import Floats
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits
 from sidmacib.structure.shaking import TimeLoads
@@ -75,9 +74,7 @@ class TimeAnswer:
     @property
     def open(self) -> bool:
         """Whether blocks reach into each other by too much to say that they stand."""
-        pieces = self.problem.assembly.pieces
-        least = min(float(np.ptp(_corners(piece), axis=0).min()) for piece in pieces)
-        return self.history.stands and self.history.pressed > PRESSED * least
+        return self.history.stands and self.history.pressed > PRESSED * self.history.thin
 
     @property
     def words(self) -> str:
@@ -103,10 +100,6 @@ class TimeAnswer:
         doubt = f"; impulses are found to {100 * self.history.left:.2g} % only" if loose else ""
         pressed = f"blocks reach into each other by {self.history.pressed:.2g} m at most"
         return f"rigid blocks, inelastic impacts; {pressed}{doubt}"
-
-
-def _corners(piece: Piece) -> Floats:
-    return np.concatenate([each.places for each in convex_parts(piece)])
 
 
 def falls_at(

@@ -19,6 +19,7 @@ from sidmacib.scene.page import page
 from sidmacib.structure.shaking import TimeLoads
 
 VALIDATED = "No shake-table test has been compared with these motions."
+EVERY = 0.01  # s: between rows of a history
 FRAMES = 150  # of the page, at most
 MONOTONIC = "larger factors need not fell it, and smaller ones may"
 COLOURS = BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY  # of blocks
@@ -63,9 +64,11 @@ def history_rows(answer: TimeAnswer) -> list[Row]:
     """Displacements and rotation vectors of all free blocks since they were built."""
     found, names = answer.history, ["x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"]
     both = np.concatenate([found.shift, found.turn], axis=2)
+    step = found.time[1] - found.time[0]
+    every = max(round(EVERY / step), 1)
     return [
         {"time_s": float(time), "block": piece.name, **dict(zip(names, row.tolist(), strict=True))}
-        for time, rows in zip(found.time, both, strict=True)
+        for time, rows in zip(found.time[::every], both[::every], strict=True)
         for piece, row in zip(answer.problem.assembly.pieces, rows, strict=True)
         if not piece.fixed
     ]

@@ -72,13 +72,22 @@ def _best_edges(solids, places, one, other, most):
 
 
 @compiled
-def _opposite(solids, places, solid, normal):
-    """The side of a ``solid`` that looks most against a ``normal``."""
+def _opposite(solids, places, solid, normal, near):
+    """The side of a ``solid`` that looks most against a ``normal``, of those at its lowest point.
+
+    That is the one least along the normal; ``near`` (m): points no higher are as low.
+    """
+    first, last = solids.vertices[solid], solids.vertices[solid + 1]
+    low, _ = _span(places.vertices, first, last, normal)
     best, least = -1, np.inf
     for side in range(solids.sides[solid], solids.sides[solid + 1]):
         along = dot(_row(places.normals, side), normal)
-        if along < least:
-            best, least = side, along
+        if along >= least:
+            continue
+        for k in range(solids.outlines[side], solids.outlines[side + 1]):
+            if dot(_row(places.vertices, solids.corners[k]), normal) <= low + near:
+                best, least = side, along
+                break
     return best
 
 
@@ -130,7 +139,7 @@ def _on_side(solids, places, side, other, size, reach, place, gaps):
     normal = _row(places.normals, side)
     first, last = solids.outlines[side], solids.outlines[side + 1]
     on = dot(_row(places.vertices, solids.corners[first]), normal)
-    facing = _opposite(solids, places, other, normal)
+    facing = _opposite(solids, places, other, normal, THIN * size)
     outline, cut = np.empty((MOST, 3)), np.empty((MOST, 3))
     count = 0
     for k in range(solids.outlines[facing], solids.outlines[facing + 1]):

@@ -27,14 +27,14 @@ from sidmacib.mechanics.compilation import compiled
 
 FEWEST, MOST = 100, 5_000  # sweeps over the contacts in a step
 UPDATES = 1_000_000  # of contacts in a step, unless these are more
-TOLERANCE = 1e-6  # over the largest impulse: changes at which all are found
+TOLERANCE = 1e-6  # over the largest velocity: changes at which all impulses are found
 
 # Of contacts: `arms` from both centroids times the axes, and `turned` by the inverse inertia, both
 # (K, 2, 3, 3); `yields`: impulses for a normal and a tangential velocity of 1; `wanted`: the least
 # normal velocity.
 Work = namedtuple("Work", "arms turned yields wanted")
 # What acts: `forces`, `levers`, accelerations of the `ground` in each step, see `accelerate`; `h`:
-# the step, s; `restitution`; `unit`: an impulse of the order of a block's weight, N s.
+# the step, s; `restitution`; `unit`: what gravity adds to velocities, m/s.
 Acting = namedtuple("Acting", "forces levers ground h restitution unit")
 
 
@@ -127,7 +127,7 @@ def _solve(bodies, state, contacts, work, unit):
         _apply(speed, spin, one[c], other[c], shares, frame, turned, c, r0, r1, r2)
     sweeps = min(max(FEWEST, UPDATES // max(count, 1)), MOST)
     for sweep in range(sweeps):
-        change, largest = 0.0, unit
+        change, largest = 0.0, unit  # of impulses, by the velocities that they give alone
         for k in range(count):
             c = count - 1 - k if sweep % 2 else k
             a, b = one[c], other[c]
@@ -150,8 +150,8 @@ def _solve(bodies, state, contacts, work, unit):
             if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
                 _apply(speed, spin, a, b, shares, frame, turned, c, d0, d1, d2)
                 impulse[c, 0], impulse[c, 1], impulse[c, 2] = r0, r1, r2
-                change = max(change, abs(d0), abs(d1), abs(d2))
-            largest = max(largest, r0)
+                change = max(change, abs(d0) / yields[c, 0], max(abs(d1), abs(d2)) / yields[c, 1])
+            largest = max(largest, r0 / yields[c, 0])
         if change <= TOLERANCE * largest:
             return sweep + 1, change / largest
     return sweeps, change / largest

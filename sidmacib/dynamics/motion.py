@@ -23,7 +23,7 @@ from sidmacib.structure.shaking import TimeLoads
 REACH = 0.005  # over the mean size of solids: gaps that may close before pairs are sought again
 FALLEN = math.radians(45.0)
 SUNK = 0.5  # of a block's least size
-KEPT = 0.01  # s: between positions that are kept
+KEPT = 0.002  # s: between positions that are kept
 AFTER = 0.5  # s: for which blocks are followed once one has fallen
 WHAT = "in time"
 
@@ -35,8 +35,8 @@ class History:
     ``shift``: of the centroids from where they were built, m, (T, P, 3); ``turn``: rotation
     vectors, rad, (T, P, 3). ``fallen``: the time at which each piece has fallen, inf of others,
     (P,). ``energy``: kinetic and potential, J, (T,), from that at the start. ``pressed``: the
-    deepest that solids reach into each other, m. ``left``: the largest change of an impulse in the
-    last sweep of a step, over the largest impulse.
+    deepest that solids reach into each other, m; ``thin``: the least width of a free piece, m.
+    ``left``: the largest change of an impulse in the last sweep of a step, over the largest one.
     """
 
     time: Floats
@@ -45,6 +45,7 @@ class History:
     fallen: Floats
     energy: Floats
     pressed: float
+    thin: float
     left: float
 
     @property
@@ -85,11 +86,14 @@ def history(
         if kept_on <= (len(kept) - 1) * every * loads.step - float(motion.fallen.min()):
             break
     time = np.minimum(np.arange(len(kept)) * every, len(ground)) * loads.step
+    if not np.isfinite(kept[-1][0]).all():
+        raise CapacityError(f"{WHAT}: the numbers are too large; check the loads")
     shift, turn, energy = (np.array(each) for each in zip(*kept, strict=True))
     left = float(motion.told[1])
     return History(
         *(time, shift, turn, motion.fallen, energy - energy[0]),
         pressed=max(0.0, -float(motion.told[2])),
+        thin=float(motion.least[motion.shapes.bodies.mass > 0.0].min()),
         left=left,
     )
 
@@ -111,13 +115,11 @@ class _Motion:
         turn = np.zeros((count, 4))
         turn[:, 0] = 1.0
         self.state = State(self.built.copy(), turn, loads.speed.copy(), np.zeros((count, 3)))
-        mass = self.shapes.bodies.mass
-        self.unit = float(mass[mass > 0.0].mean()) * GRAVITY * loads.step
+        self.unit = GRAVITY * loads.step
         self.forces = np.ascontiguousarray((loads.permanent + loads.sudden)[:, :3])
         self.levers = loads.beside.levers + loads.arms
         self.fallen = np.full(count, math.inf)
-        places = [self.shapes.of_piece(number) for number in range(count)]
-        self.least = np.array([np.ptp(each, axis=0).min() for each in places])
+        self.least = self.shapes.least
         self.pairs = Pairs(np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
         self.contacts = self._room(0)
         self.friction = {

@@ -3,9 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import trimesh
+from scipy.spatial import ConvexHull
 
 from sidmacib.dynamics.bodies import Bodies
 from sidmacib.dynamics.collide import CORNERS
@@ -15,8 +17,10 @@ from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Integers, Piec
 from sidmacib.structure.blocks import Block, box, solids_of
 from sidmacib.structure.overlaps import meeting_boxes, solid_of
 
-FLAT = 1e-6  # over a solid's size: triangles no further from a plane are one side
+FLAT = 1e-6  # over a block's size: what is thinner is not there
 DIGITS = 9  # of directions of edges that are the same
+ROUNDED = 1e-6  # of a volume
+PLANE = 1e-5  # of normals and, over the size, of distances: triangles that are one side
 MOST_PARTS = 200  # convex ones of a block
 
 
@@ -47,58 +51,81 @@ class Convex:
 
 
 def convex_parts(piece: Piece) -> Iterator[Convex]:
-    """The convex solids that a ``piece`` is made of, where it was built."""
+    """The convex solids that a ``piece`` is made of, where it was built.
+
+    `CapacityError` for more than `MOST_PARTS` in a block.
+    """
     blocks = solids_of(piece)
     if isinstance(piece, Cuboid):
         blocks = (box(piece.name, piece.low, piece.high, 1.0),)
     for block in blocks:
-        if block.reentrant is None:
-            yield Convex(block.places, block.faces, block.normals)
-        else:
-            yield from _cut(block)
+        yield from (_sides(each) for each in _convex_hulls(block))
 
 
-def _cut(block: Block) -> Iterator[Convex]:
-    """A block that is not convex, cut along planes of its sides at reentrant edges."""
+def _convex_hulls(block: Block) -> Iterator[ConvexHull]:
+    """A block, cut along the planes of its sides until all parts are convex."""
+    if block.reentrant is None:
+        yield ConvexHull(block.places)
+        return
     middle, size = block.places.mean(axis=0), block.size
-    whole, parts = [solid_of(block, middle, size)], 0
-    while whole:
-        solid = whole.pop()
+    left, found = [solid_of(block, middle, size)], []
+    while left:
+        solid = left.pop()
         mesh = solid.to_mesh64()
-        body = trimesh.Trimesh(mesh.vert_properties[:, :3], mesh.tri_verts, process=True)
-        bent = ~body.face_adjacency_convex & (body.face_adjacency_angles > 1e-4)
-        if not bent.any() or body.is_convex:
-            yield _hull(body, middle, size)
-            parts += 1
-            continue
-        if parts + len(whole) > MOST_PARTS:
+        body = trimesh.Trimesh(mesh.vert_properties[:, :3], mesh.tri_verts, process=False)
+        bodies, places = _halves(body, solid)
+        left += bodies
+        if not bodies:
+            found.append(ConvexHull(middle + size * places))
+        if len(found) + len(left) > MOST_PARTS:
             raise CapacityError(f"in time: {block.name} has more than {MOST_PARTS} convex parts")
-        pairs = body.face_adjacency[bent]
-        side = int(pairs[0, 0])
+    if abs(sum(each.volume for each in found) / block.volume - 1.0) > ROUNDED:
+        raise CapacityError(f"in time: {block.name} cannot be cut into convex parts")
+    yield from found
+
+
+def _halves(body: trimesh.Trimesh, solid: Any) -> tuple[list[Any], Floats]:
+    """The bodies on both sides of the plane of a side that cuts a ``solid``; its vertices.
+
+    No bodies of one that is convex. Vertices are without those of flaps: what earlier cuts left
+    without a volume, on one side of a plane.
+    """
+    places = body.vertices
+    for side in np.argsort(-body.area_faces)[: int((body.area_faces > FLAT).sum())]:
         normal = body.face_normals[side]
-        at = float(body.triangles[side][0] @ normal)
-        halves = solid.split_by_plane(tuple(normal), at)
-        bodies = [each for half in halves for each in half.decompose()]
-        whole += [each for each in bodies if each.volume() > FLAT**2]
+        heights = (places - body.triangles[side][0]) @ normal
+        if heights.max() < FLAT or heights.min() > -FLAT:
+            continue
+        halves = solid.split_by_plane(tuple(normal), float(body.triangles[side][0] @ normal))
+        least = FLAT * solid.volume()
+        front, behind = (each.volume() > least for each in halves)
+        if front and behind:
+            bodies = [each for half in halves for each in half.decompose()]
+            return [each for each in bodies if each.volume() > least], places
+        places = places[heights <= FLAT] if behind else places[heights >= -FLAT]
+    return [], places
 
 
-def _hull(body: trimesh.Trimesh, middle: Floats, size: float) -> Convex:
-    hull = body.convex_hull
-    outlines, normals = [], []
-    facets = [*map(np.asarray, hull.facets)]
-    alone = set(range(len(hull.faces))).difference(*(each.tolist() for each in facets))
-    for triangles in [*facets, *(np.array([each]) for each in sorted(alone))]:
-        edges = hull.edges_sorted.reshape(-1, 3, 2)[triangles].reshape(-1, 2)
-        unique, count = np.unique(edges, axis=0, return_counts=True)
-        ends = {int(v) for v in unique[count == 1].ravel()}
-        normal = hull.face_normals[triangles[0]]
-        places = hull.vertices[sorted(ends)]
-        across = places - places.mean(axis=0)
+def _sides(hull: ConvexHull) -> Convex:
+    """A convex hull with one side for all triangles in a plane."""
+    used = hull.vertices
+    number = np.zeros(len(hull.points), np.int64)
+    number[used] = np.arange(len(used))
+    places, triangles = hull.points[used], number[hull.simplices]
+    near = np.array([1.0, 1.0, 1.0, np.linalg.norm(np.ptp(places, axis=0))]) * PLANE
+    planes: list[int] = []
+    for k, plane in enumerate(hull.equations):
+        if not any((np.abs(hull.equations[other] - plane) <= near).all() for other in planes):
+            planes.append(k)
+    outlines, normals = [], hull.equations[planes, :3]
+    for k, normal in zip(planes, normals, strict=True):
+        same = (np.abs(hull.equations - hull.equations[k]) <= near).all(axis=1)
+        ends = np.unique(triangles[same])
+        across = places[ends] - places[ends].mean(axis=0)
         x = across[0] / np.linalg.norm(across[0])
         turn = np.arctan2(across @ np.cross(normal, x), across @ x)
-        outlines.append(tuple(np.array(sorted(ends))[np.argsort(turn)].tolist()))
-        normals.append(normal)
-    return Convex(middle + size * hull.vertices, tuple(outlines), np.array(normals))
+        outlines.append(tuple(ends[np.argsort(turn)].tolist()))
+    return Convex(places, tuple(outlines), normals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +188,16 @@ class Shapes:
         """The piece of each vertex, (V,)."""
         return np.repeat(self.solids.piece, np.diff(self.solids.vertices))
 
-    def of_piece(self, number: int) -> Floats:
-        """Vertices of a piece about its centroid, m, (K, 3)."""
-        return np.asarray(self.built.vertices[self._owner == number])
+    @property
+    def least(self) -> Floats:
+        """The least width of each piece between two planes along one of its sides, m, (P,)."""
+        sides = np.repeat(self.solids.piece, np.diff(self.solids.sides))
+        built, owner = self.built, self._owner
+        along = [
+            built.vertices[owner == number] @ built.normals[sides == number].T
+            for number in range(len(self.bodies.mass))
+        ]
+        return np.array([np.ptp(each, axis=0).min() for each in along])
 
     def places(self, centre: Floats, turn: Floats) -> Floats:
         """Vertices where centroids are (m), (P, 3), after turns, (P, 3, 3); m, (V, 3)."""

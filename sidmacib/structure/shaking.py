@@ -18,6 +18,7 @@ from sidmacib.structure.loads import StructureLoads
 
 IN_TIME = "load.duration: what acts in time is for multilock assembly only"
 AT2 = re.compile(r"NPTS\s*=\s*(\d+).*?DT\s*=\s*([-+.\dEe]+)", re.IGNORECASE | re.DOTALL)
+OTHER = re.compile(r"VELOCITY|DISPLACEMENT|CM/S\S*", re.IGNORECASE)
 AT2_HEAD = 4  # lines
 
 
@@ -104,6 +105,8 @@ def accelerogram(
         values = " ".join(text.splitlines()[AT2_HEAD:]).split()
         if found is None or len(values) < 2 or not all(map(_is_number, values)):
             raise ValueError(f"{path.name}: must have NPTS= and DT= in its head, and numbers")
+        if other := OTHER.search("\n".join(text.splitlines()[:AT2_HEAD])):
+            raise ValueError(f"{path.name}: its head says {other[0]}; it must be acceleration in g")
         if len(values) != int(found[1]):
             raise ValueError(f"{path.name}: has {len(values)} values; NPTS says {found[1]}")
         steps = float(found[2])
@@ -111,9 +114,11 @@ def accelerogram(
         unit = GRAVITY if unit is None else unit
     else:
         lines = [re.split(r"[\s,;]+", line.strip()) for line in text.splitlines()]
-        numbers = [line for line in lines if len(line) >= 2 and _is_number(line[0])]
-        if len(numbers) < 2 or not all(_is_number(line[1]) for line in numbers):
-            raise ValueError(f"{path.name}: must have two columns, time (s) and acceleration")
+        numbers = [line for line in lines if _is_number(line[0])]
+        whole = all(len(line) == 2 and _is_number(line[1]) for line in numbers)
+        if len(numbers) < 2 or not whole or (";" in text and "," in text):
+            allowed = "two columns, time (s) and acceleration, with decimal points"
+            raise ValueError(f"{path.name}: must have {allowed}")
         rows = np.array([(float(line[0]), float(line[1])) for line in numbers])
     if not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0.0).all():
         raise ValueError(f"{path.name}: times must grow, and numbers must be finite")

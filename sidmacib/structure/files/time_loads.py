@@ -17,7 +17,7 @@ from sidmacib.validation import refused
 
 Seconds = Annotated[float, Number(above=0, unit="s")]
 MOST_STEPS = 10_000_000
-_Speed = Annotated[float, Number(unit="m/s")]
+_Speed = Annotated[float, Number(at_least=-1e3, at_most=1e3, unit="m/s")]
 UNITS = {"m/s2": 1.0, "cm/s2": 0.01, "g": GRAVITY}
 
 
@@ -26,7 +26,7 @@ class PulseSection(Keys):
 
     shape: Shape = Shape.RECTANGLE
     """a rectangle, half a sine, or one cycle of a sine"""
-    acceleration: Annotated[float, Number(above=0, unit="m/s2")]
+    acceleration: Annotated[float, Number(above=0, at_most=1e3, unit="m/s2")]
     """the largest, m/s2, or such as 0.5g"""
     duration: Seconds
     """how long it lasts, s"""
