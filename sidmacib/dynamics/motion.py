@@ -89,10 +89,10 @@ def history(
     if not np.isfinite(kept[-1][0]).all():
         raise CapacityError(f"{WHAT}: the numbers are too large; check the loads")
     shift, turn, energy = (np.array(each) for each in zip(*kept, strict=True))
-    left = float(motion.told[1])
+    left = float(motion.told[0])
     return History(
         *(time, shift, turn, motion.fallen, energy - energy[0]),
-        pressed=max(0.0, -float(motion.told[2])),
+        pressed=max(0.0, -float(motion.told[1])),
         thin=float(motion.least[motion.shapes.bodies.mass > 0.0].min()),
         left=left,
     )
@@ -104,7 +104,7 @@ class _Motion:
 
     assembly: Assembly
     loads: TimeLoads
-    told: Floats = field(default_factory=lambda: np.zeros(3))
+    told: Floats = field(default_factory=lambda: np.zeros(2))
 
     def __post_init__(self) -> None:
         assembly, loads = self.assembly, self.loads
@@ -122,9 +122,11 @@ class _Motion:
         self.least = self.shapes.least
         self.pairs = Pairs(np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
         self.contacts = self._room(0)
-        self.friction = {
-            frozenset((face.below, face.above)): face.material.friction for face in assembly.faces
-        }
+        self.friction: dict[frozenset[int], float] = {}
+        for face in assembly.faces:  # the least of several of a pair
+            pair = frozenset((face.below, face.above))
+            known = self.friction.get(pair, math.inf)
+            self.friction[pair] = min(known, face.material.friction)
         self.other_friction = min(self.friction.values(), default=0.0)
 
     @property
