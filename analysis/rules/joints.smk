@@ -29,9 +29,9 @@ rule capacity:
         cases=rules.collect.output.cases,
         weights=rules.collect.output.weights,
     output:
+        **{"demands": shown("tables/demands.csv")} if STUDY.demand is not None else {},
         capacity=shown("tables/capacity.csv"),
         envelopes=shown("tables/envelopes.csv"),
-        **{"demands": shown("tables/demands.csv")} if STUDY.demand is not None else {},
     log:
         below("logs/capacity.log"),
     group:
