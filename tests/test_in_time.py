@@ -32,7 +32,7 @@ def described(blocks: dict[str, Any], load: dict[str, Any], friction: float) -> 
 
 
 def moved(blocks: dict[str, Any], load: dict[str, Any], friction: float) -> TimeAnswer:
-    return TimeAnswer.of(demands_of(described(blocks, load, friction))[0].problem)
+    return TimeAnswer.of(demands_of(described(blocks, load, friction), in_time=True)[0].problem)
 
 
 def pulse(acceleration: float, duration: float, **more: Any) -> dict[str, Any]:
@@ -335,7 +335,7 @@ def test_the_factor_at_which_a_block_falls_is_that_of_its_pulse() -> None:
     """A block that rocks falls under a pulse of 0.3 s at a factor between two that were run."""
     blocks = {"ground": GROUND, "block": SLENDER}
     load = {"ground": pulse(0.05 * GRAVITY, 0.3), "duration": 3}
-    problem = demands_of(described(blocks, load, 3.0))[0].problem
+    problem = demands_of(described(blocks, load, 3.0), in_time=True)[0].problem
     factor = falls_at(problem)
     assert factor is not None and 2.0 < factor < 4.0
     strong = {**load, "ground": pulse(0.05 * factor * GRAVITY, 0.3)}
@@ -375,7 +375,9 @@ def test_the_command_says_whether_it_stands_and_writes_the_history(tmp_path: Pat
 )
 def test_what_cannot_act_in_time_is_refused_by_name(changes: dict[str, Any], why: str) -> None:
     with pytest.raises(ValueError, match=why):
-        demands_of({**described({"ground": GROUND, "block": FLAT}, {}, 0.5), **changes})
+        demands_of(
+            {**described({"ground": GROUND, "block": FLAT}, {}, 0.5), **changes}, in_time=True
+        )
 
 
 def test_bonds_are_refused_and_other_doors_say_where_time_is_for() -> None:
@@ -383,10 +385,10 @@ def test_bonds_are_refused_and_other_doors_say_where_time_is_for() -> None:
     given = described(blocks, {"duration": 1}, 0.5)
     given["interfaces"] |= {"cohesion": 1e5, "tensile_strength": 1e5}
     with pytest.raises(CapacityError, match="in time: ground-block is not dry"):
-        TimeAnswer.of(demands_of(given)[0].problem)
+        TimeAnswer.of(demands_of(given, in_time=True)[0].problem)
     given["interfaces"] = {"friction": 0.5, "compressive_strength": 1e6}
     with pytest.raises(CapacityError, match="in time: blocks are not crushed"):
-        TimeAnswer.of(demands_of(given)[0].problem)
+        TimeAnswer.of(demands_of(given, in_time=True)[0].problem)
     for door in (structure_of, sidmacib.ask):
         with pytest.raises(ValueError, match="for multilock assembly only"):
             door(described(blocks, {"duration": 1}, 0.5))

@@ -29,7 +29,6 @@ from sidmacib.scene.forces import arrows_of
 from sidmacib.scene.page import page
 from sidmacib.structure.files.structure_file import Demand, demands_of, description_in, notes_on
 from sidmacib.structure.loads import SupportMotion
-from sidmacib.structure.shaking import IN_TIME, TimeLoads
 from sidmacib.yaml_text import read_yaml
 
 KEPT = 64  # examples that are not computed again
@@ -235,8 +234,6 @@ def _opened(path: Path) -> OpenedFile:
         raise ValueError(
             "load.support: is for multilock assembly and studies; use another load here"
         )
-    if isinstance(demand.problem.loads, TimeLoads):
-        raise ValueError(IN_TIME)
     if demand.case is None:
         solved = Solved.of(demand)
     else:

@@ -78,9 +78,13 @@ def law_capacity(
     assembly = change.assembly(study.assembly)
     if (reason := MODELS[name].refusal(requirements(study, assembly, sample))) is not None:
         raise ValueError(reason)
-    given = Reliability(study.reliability.scatter, study.reliability.gamma_m)
-    rules = {**RULES, **resistances(given)}
+    rules = {**RULES, **resistances(_reliability(study))}
     return rules[name](study.joint(sample, change), Direction(ratio), push=assembly.push)
+
+
+def _reliability(study: Study) -> Reliability:
+    """What the strengths of a study stand for, as the rules take it."""
+    return Reliability(study.reliability.scatter, study.reliability.gamma_m)
 
 
 def law_rows(study: Study) -> Iterator[dict[str, Any]]:
@@ -165,13 +169,13 @@ def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> 
 
 def demand_rows(study: Study, given: DemandSection) -> Iterator[dict[str, Any]]:
     """Whether each sample carries the ``given`` load, as `multilock capacity` says."""
-    reliability = Reliability(study.reliability.scatter, study.reliability.gamma_m)
+    reliability = _reliability(study)
     demand = Demand(given.shear or 0.0, given.torque or 0.0, given.eccentricity, reliability)
     asked = {
         "safe": joint_answers.MODELS["safe"],
         **joint_answers.resistances(reliability, decides=True),
     }
-    decides = "design" if "design" in asked else "safe"
+    decides = joint_answers.deciding(asked)
     for sample in study.samples:
         joint = study.joint(sample)
         direction, load = demand.direction(joint), demand.load(joint)

@@ -18,7 +18,6 @@ from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.limit import LimitTilt, limit_or_tilt
 from sidmacib.structure.files.structure_file import Demand, demands_of, description_in
 from sidmacib.structure.loads import SupportMotion, free_weight, naming_permanent
-from sidmacib.structure.shaking import IN_TIME, TimeLoads
 
 Tell = Callable[[str], object]
 
@@ -117,8 +116,6 @@ def ask(structure: str | Path | Mapping[str, Any], folder: Path = Path()) -> dic
     if isinstance(structure, str | Path):
         folder, description = Path(structure).parent, description_in(Path(structure))
     demands = demands_of(description, folder)
-    if isinstance(demands[0].problem.loads, TimeLoads):
-        raise ValueError(IN_TIME)
     if not demands[0].raises or isinstance(demands[0].problem.loads, SupportMotion):
         raise ValueError(
             "load: nothing is raised; multilock assembly answers without a load and for supports"

@@ -55,43 +55,44 @@ class TimeAnswer:
     @cached_property
     def last_shift(self) -> Extreme:
         """As `largest_shift`, at the end."""
-        return self._extreme(self.history.shift, -1)
+        return self._extreme(self.history.shift, len(self.history.time) - 1)
 
     @cached_property
     def last_turn(self) -> Extreme:
         """As `largest_turn`, at the end."""
-        return self._extreme(self.history.turn, -1)
+        return self._extreme(self.history.turn, len(self.history.time) - 1)
 
-    def _extreme(self, vectors: Floats, at: int | None = None) -> Extreme:
-        size = np.linalg.norm(vectors, axis=2)
-        if at is not None:
-            size = size[at:]
+    def _extreme(self, vectors: Floats, start: int = 0) -> Extreme:
+        size = np.linalg.norm(vectors[start:], axis=2)
         when, piece = np.unravel_index(int(size.argmax()), size.shape)
-        time = self.history.time[at if at is not None else when]
         name = self.problem.assembly.pieces[int(piece)].name
-        return Extreme(float(size[when, piece]), name, float(time))
+        return Extreme(float(size[when, piece]), name, float(self.history.time[start + when]))
 
     @property
-    def open(self) -> bool:
-        """Whether blocks reach into each other by too much to say that they stand."""
-        return self.history.stands and self.history.pressed > PRESSED * self.history.thin
+    def said(self) -> str:
+        """Yes, no, or open: where blocks reach into each other by too much to say so."""
+        if not self.history.stands:
+            return "No"
+        return "Open" if self.history.pressed > PRESSED * self.history.thin else "Yes"
 
     @property
     def words(self) -> str:
         """The answer in a line, with yes or no."""
+        return f"{self.said}: {self._reasons}"
+
+    @property
+    def _reasons(self) -> str:
         first, end = self.history.first_fallen, float(self.history.time[-1])
-        if self.open:
-            pressed = self.history.pressed
-            return f"Open: blocks reach into each other by {pressed:.2g} m; halve load.step"
-        if first is None:
-            moved, turned = self.largest_shift, self.largest_turn
-            return (
-                f"Yes: it stands for {end:g} s; {moved.block} moves most, by "
-                f"{four_digits(moved.size)} m, and {turned.block} turns most, by "
-                f"{four_digits(math.degrees(turned.size))} degrees"
-            )
-        name, time = self.problem.assembly.pieces[first].name, float(self.history.fallen[first])
-        return f"No: {name} falls first, at {time:g} s ({FELL})"
+        if first is not None:
+            name, time = self.problem.assembly.pieces[first].name, float(self.history.fallen[first])
+            return f"{name} falls first, at {time:g} s ({FELL})"
+        if self.said == "Open":
+            return f"blocks reach into each other by {self.history.pressed:.2g} m; halve load.step"
+        moved, turned = self.largest_shift, self.largest_turn
+        return (
+            f"it stands for {end:g} s; {moved.block} moves most, by {four_digits(moved.size)} m, "
+            f"and {turned.block} turns most, by {four_digits(math.degrees(turned.size))} degrees"
+        )
 
     @property
     def note(self) -> str:

@@ -119,7 +119,7 @@ def passes(wanted: Wanted) -> bool:
             loads = "load", "load_cases"
             description = {key: each for key, each in description.items() if key not in loads}
         wanted = replace(wanted, description=description)
-    demands = demands_of(wanted.description, wanted.file.parent)
+    demands = demands_of(wanted.description, wanted.file.parent, in_time=True)
     first = demands[0]
     if wanted.engines and not isinstance(first.problem.loads, SupportMotion):
         raise click.UsageError("--model: is for a support that moves only")
@@ -189,7 +189,7 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
     rows = time_rows(answer)
     if wanted.collapse:
         rows.append(collapse_row(answer, tell))
-    about = {"verdict": answer.words.partition(":")[0].lower(), "answer": answer.words}
+    about = {"verdict": answer.said.lower(), "answer": answer.words}
     wanted.show(rows, **about)
     if wanted.history is not None:
         write_text(text_of(history_rows(answer), "csv") + "\n", wanted.history, "--history")
@@ -199,7 +199,7 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
         command = shlex.join(["multilock", *sys.argv[1:]])
         text = time_page(answer, wanted.file.stem, rows, wanted.notes, command)
         write_text(text, wanted.report, "--report")
-    return answer.history.stands and not answer.open
+    return answer.said == "Yes"
 
 
 def _answer_support(wanted: Wanted, problem: Problem) -> None:

@@ -143,10 +143,9 @@ def _on_side(solids, places, side, other, size, reach, place, gaps):
     outline, cut = np.empty((MOST, 3)), np.empty((MOST, 3))
     count = 0
     for k in range(solids.outlines[facing], solids.outlines[facing + 1]):
-        if count < MOST:
-            for i in range(3):
-                outline[count, i] = places.vertices[solids.corners[k], i]
-            count += 1
+        for i in range(3):
+            outline[count, i] = places.vertices[solids.corners[k], i]
+        count += 1
     for k in range(first, last):
         here = _row(places.vertices, solids.corners[k])
         after = _row(places.vertices, solids.corners[k + 1 if k + 1 < last else first])

@@ -1,7 +1,7 @@
 """How blocks move in time: steps from where they were built, and where they are on the way.
 
 A block has fallen that has turned by 45 degrees, or whose centroid has sunk by half of its least
-size. Contacts are those of convex solids, wherever they meet; see `sidmacib.dynamics.impulses`.
+width. Contacts are those of convex solids, wherever they meet; see `sidmacib.dynamics.impulses`.
 """
 
 import math
@@ -22,7 +22,7 @@ from sidmacib.structure.shaking import TimeLoads
 
 REACH = 0.005  # over the mean size of solids: gaps that may close before pairs are sought again
 FALLEN = math.radians(45.0)
-SUNK = 0.5  # of a block's least size
+SUNK = 0.5  # of a block's least width, between planes along one of its sides
 KEPT = 0.002  # s: between positions that are kept
 AFTER = 0.5  # s: for which blocks are followed once one has fallen
 WHAT = "in time"
@@ -81,20 +81,20 @@ def history(
     kept_on = 0.0 if until_it_falls else AFTER
     for start in range(0, len(ground), every):
         motion.run(ground[start : start + every])
-        kept.append(motion.position())
-        motion.note_fallen(loads.step * min(start + every, len(ground)))
+        shift, turn, _ = position = motion.position()
+        kept.append(position)
+        motion.note_fallen(shift, turn, loads.step * min(start + every, len(ground)))
         if kept_on <= (len(kept) - 1) * every * loads.step - float(motion.fallen.min()):
             break
     time = np.minimum(np.arange(len(kept)) * every, len(ground)) * loads.step
     if not np.isfinite(kept[-1][0]).all():
         raise CapacityError(f"{WHAT}: the numbers are too large; check the loads")
-    shift, turn, energy = (np.array(each) for each in zip(*kept, strict=True))
-    left = float(motion.told[0])
+    shifts, turns, energy = (np.array(each) for each in zip(*kept, strict=True))
     return History(
-        *(time, shift, turn, motion.fallen, energy - energy[0]),
+        *(time, shifts, turns, motion.fallen, energy - energy[0]),
         pressed=max(0.0, -float(motion.told[1])),
         thin=float(motion.least[motion.shapes.bodies.mass > 0.0].min()),
-        left=left,
+        left=float(motion.told[0]),
     )
 
 
@@ -146,9 +146,8 @@ class _Motion:
         work = (self.forces * shift).sum() + np.trace(arms, axis1=1, axis2=2).sum()
         return shift, np.asarray(turn), float(kinetic - work)
 
-    def note_fallen(self, time: float) -> None:
-        """Keep the ``time`` (s) of pieces that have fallen."""
-        shift, turn, _ = self.position()
+    def note_fallen(self, shift: Floats, turn: Floats, time: float) -> None:
+        """Keep the ``time`` (s) of pieces that have fallen, by their shifts and rotations."""
         down = (np.linalg.norm(turn, axis=1) > FALLEN) | (-shift[:, 2] > SUNK * self.least)
         self.fallen[down & np.isinf(self.fallen)] = time
 

@@ -4,7 +4,7 @@ Models are imported where they are used: a solver takes longer to load than the 
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -180,15 +180,21 @@ def answer_of(name: str, model: Model, joint: Joint, direction: Direction, push:
         return Answer(model=name, error=error)
 
 
+def deciding(models: Iterable[str]) -> str:
+    """Which of ``models`` decides: the design resistance, else the safe rule, else the first."""
+    known = [*models]
+    return next(name for name in ("design", "safe", *known) if name in known)
+
+
 def joint_verdict(demand: "Demand", joint: Joint, answers: Mapping[str, Answer]) -> "Verdict":
     """Whether ``joint`` carries the load of ``demand``, by ``answers`` in its direction, by model.
 
-    The design resistance decides, else the safe rule, else the first model that was asked.
+    By the one that is `deciding`.
     """
     from sidmacib.answers.verdict import Verdict, by_factors, factor_of
 
     load, direction = demand.load(joint), demand.direction(joint)
-    name = next(name for name in ("design", "safe", *answers) if name in answers)
+    name = deciding(answers)
     answer, by = answers[name], WORDS[name]
     if answer.value is None:
         return Verdict(load, False, f"{by} has no answer: {answer.note}", open=True)

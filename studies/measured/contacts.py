@@ -6,7 +6,6 @@
 fitted. Writes ``tables/contacts.csv``, and the figure of measured over computed by eccentricity.
 """
 
-import argparse
 import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -24,6 +23,7 @@ from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from studies.markdown import markdown, table_in
+from studies.measured.walls import results_folder
 from workflow.results.tables import Table, write_table
 
 HERE = Path(__file__).parent
@@ -162,11 +162,7 @@ BLOCKS = {"contacts-short": in_short, "contacts-eccentricity": in_classes}
 
 def main() -> None:
     """Command line: write the table and the figure, and print how they compare."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--results", type=Path, default=Path("results-measured"))
-    to = parser.parse_args().results
-    for folder in ("tables", "figures"):
-        (to / folder).mkdir(parents=True, exist_ok=True)
+    to = results_folder(__doc__)
     print(f"contacts: {given()['source']}", flush=True)
     with ProcessPoolExecutor() as processes:
         rows = [*processes.map(row, pushes(), chunksize=10)]

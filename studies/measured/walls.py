@@ -242,13 +242,22 @@ def sources(_: Path) -> str:
 BLOCKS = {"walls-measured": in_markdown, "walls-short": in_short, "walls-sources": sources}
 
 
-def main() -> None:
-    """Command line: write the table and the figures, and print how they compare."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def results_folder(words: str | None) -> Path:
+    """The folder that the command line names, with folders for tables and figures.
+
+    ``words``: what the command does.
+    """
+    parser = argparse.ArgumentParser(description=words)
     parser.add_argument("--results", type=Path, default=Path("results-measured"))
-    to = parser.parse_args().results
+    to: Path = parser.parse_args().results
     for folder in ("tables", "figures"):
         (to / folder).mkdir(parents=True, exist_ok=True)
+    return to
+
+
+def main() -> None:
+    """Command line: write the table and the figures, and print how they compare."""
+    to = results_folder(__doc__)
     every = {}
     for name, campaign in campaigns().items():
         print(f"{name}: {campaign.source}", flush=True)

@@ -83,8 +83,6 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     if given.load is None:
         words = "; load_cases are for multilock assembly and studies" if given.load_cases else ""
         raise ValueError(f"load: missing; this key is required{words}")
-    if isinstance(given.load, TimeSection):
-        raise ValueError(IN_TIME)
     (demand,) = demands_of(given, folder)
     return demand.problem
 
@@ -103,10 +101,13 @@ class Demand:
     raises: bool = True
 
 
-def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
+def demands_of(
+    description: Any, folder: Path = Path(), *, in_time: bool = False
+) -> tuple[Demand, ...]:
     """What a ``description`` demands: of its load, of each load case, or of none.
 
-    Arguments and errors as of `structure_of`, but for a load that is missing.
+    Arguments and errors as of `structure_of`, but for a load that is missing. ``in_time``: whether
+    loads may act in time, which else are an error.
     """
     given = StructureFile.read(description)
     if given.load is not None and given.load_cases is not None:
@@ -114,6 +115,8 @@ def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
     assembly = assembly_of(given, folder)
     always = permanent_on(assembly, given.permanent, given.tolerance)
     if isinstance(given.load, TimeSection):
+        if not in_time:
+            raise ValueError(IN_TIME)
         return (Demand(Problem(assembly, given.load.on(assembly, always, folder))),)
     if given.load is not None:
         problem = Problem(assembly, given.load.on(assembly, always))

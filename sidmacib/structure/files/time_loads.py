@@ -101,7 +101,7 @@ class TimeSection(Keys):
     lost: Text | None = None
     """the name of a fixed block that is taken away"""
     step: Annotated[float, Number(above=0, at_most=0.1, unit="s")] = 5e-4
-    """time step, s; errors are proportional to it"""
+    """time step, s; halve it to see the error"""
     restitution: Part = 0.0
     """velocity after an impact over that before it"""
 
