@@ -37,3 +37,9 @@ def reason(error: Exception) -> str:
     if isinstance(error, ArithmeticError):
         return f"numbers are too large or too small for the model ({message})"
     return message
+
+
+def lacks(package: str, extra: str) -> ValueError:
+    """That an optional ``package`` is not there, and the ``extra`` of multilock that brings it."""
+    remedy = f"pip install '.[{extra}]' in the clone of multilock"
+    return ValueError(f"needs the package {package}: {remedy}")

@@ -293,4 +293,7 @@ def test_step_says_which_package_it_needs(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, "OCP.Message", None)
     done = run("build", "-n", "3", "-o", str(tmp_path), "--step")
     assert done.exit_code == 2
-    assert "--step: needs the package cadquery-ocp-novtk: pip install multi" in done.output
+    assert (
+        "--step: needs the package cadquery-ocp-novtk: pip install '.[step]' in the clone"
+        in done.output
+    )

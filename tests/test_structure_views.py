@@ -209,9 +209,9 @@ def test_without_plotly_a_page_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
     found = assembly(tmp_path / "block.yaml", BLOCK, "--report", str(tmp_path / "x.html"))
     assert found.exit_code == 2
-    assert found.output.splitlines()[-1] == (
-        "Error: --report: needs the package plotly: pip install multilock[report]"
-    )
+    remedy = "pip install '.[report]' in the clone of multilock"
+    words = f"Error: --report: needs the package plotly: {remedy}"
+    assert found.output.splitlines()[-1] == words
 
 
 @pytest.mark.parametrize("option", ["--report", "--note", "--interfaces"])

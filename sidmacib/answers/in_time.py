@@ -37,10 +37,11 @@ class TimeAnswer:
     history: History
 
     @classmethod
-    def of(cls, problem: Problem) -> "TimeAnswer":
-        """`CapacityError` for bonds and condensed locks."""
-        assert isinstance(problem.loads, TimeLoads), "loads in time"
-        return cls(problem, history(problem.assembly, problem.loads))
+    def of(cls, problem: Problem, progress: Callable[[str], object] = str) -> "TimeAnswer":
+        """What happens; ``progress`` is told how far it is. Errors of `history`."""
+        assembly, loads = problem
+        assert isinstance(loads, TimeLoads), "loads in time"
+        return cls(problem, history(assembly, loads, progress=progress))
 
     @cached_property
     def largest_shift(self) -> Extreme:

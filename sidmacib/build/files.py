@@ -17,6 +17,7 @@ from xml.sax.saxutils import quoteattr
 import trimesh
 
 from sidmacib.build import Solid, laid, own_axes
+from sidmacib.errors import lacks
 
 UNITS = {"mm": 1e3, "m": 1.0}  # of a metre
 DIGITS = {"mm": 7, "m": 10}  # behind the decimal point
@@ -149,5 +150,4 @@ def _ocp(module: str) -> Any:
     try:
         return importlib.import_module(f"OCP.{module}")
     except ImportError:
-        words = "needs the package cadquery-ocp-novtk: pip install multilock[step]"
-        raise ValueError(words) from None
+        raise lacks("cadquery-ocp-novtk", "step") from None

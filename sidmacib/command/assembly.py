@@ -14,7 +14,14 @@ from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all
 from sidmacib.command.answers import Row
 from sidmacib.command.in_time import collapse_row, drift_picture, history_rows, time_page, time_rows
-from sidmacib.command.output import draw, require_answer, say, text_of, write_text
+from sidmacib.command.output import (
+    draw,
+    require_answer,
+    say,
+    status_line,
+    text_of,
+    write_text,
+)
 from sidmacib.command.structures import (
     curve_rows,
     force_rows,
@@ -177,18 +184,17 @@ def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
 def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
     """What happens in time, and at which factor on the ground motion the structure falls."""
     wanted.refuse("must not be given where loads act in time", *OF_LOADS)
-    tell = telling(problem)
     assert isinstance(problem.loads, TimeLoads), "loads in time"
     if not problem.loads.ground:
         wanted.refuse("needs load.ground", "collapse")
     for line in problem.loads.cut_off:
         click.echo(f"Note: {line}", err=True)
-    tell("steps in time ...")
-    answer = TimeAnswer.of(problem)
+    with status_line() as progress:
+        answer = TimeAnswer.of(problem, progress)
+        rows = time_rows(answer)
+        if wanted.collapse:
+            rows.append(collapse_row(answer, progress))
     say(answer.words, wanted.form)
-    rows = time_rows(answer)
-    if wanted.collapse:
-        rows.append(collapse_row(answer, tell))
     about = {"verdict": answer.said.lower(), "answer": answer.words}
     wanted.show(rows, **about)
     if wanted.history is not None:

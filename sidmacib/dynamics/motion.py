@@ -5,6 +5,7 @@ width. Contacts are those of convex solids, wherever they meet; see `sidmacib.dy
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,6 +25,7 @@ REACH = 0.005  # over the mean size of solids: gaps that may close before pairs 
 FALLEN = math.radians(45.0)
 SUNK = 0.5  # of a block's least width, between planes along one of its sides
 KEPT = 0.002  # s: between positions that are kept
+TOLD = 5  # positions: of which one is told of
 AFTER = 0.5  # s: for which blocks are followed once one has fallen
 WHAT = "in time"
 
@@ -61,11 +63,17 @@ class History:
 
 
 def history(
-    assembly: Assembly, loads: TimeLoads, factor: float = 1.0, *, until_it_falls: bool = False
+    assembly: Assembly,
+    loads: TimeLoads,
+    factor: float = 1.0,
+    *,
+    until_it_falls: bool = False,
+    progress: Callable[[str], object] = str,
 ) -> History:
     """What happens to ``assembly`` under ``loads``; ``factor``: on the accelerations of the ground.
 
-    ``until_it_falls``: no further; else for `AFTER`. `CapacityError` for bonds and condensed locks.
+    ``until_it_falls``: no further; else for `AFTER`. ``progress`` is told how far it is.
+    `CapacityError` for bonds, condensed locks and blocks that may be crushed.
     """
     for face in assembly.faces:
         if face.kind is not Kind.DRY:
@@ -80,6 +88,8 @@ def history(
     kept = [motion.position()]
     kept_on = 0.0 if until_it_falls else AFTER
     for start in range(0, len(ground), every):
+        if len(kept) % TOLD == 1:
+            progress(f"{loads.step * start:.3g} of {loads.duration:g} s")
         motion.run(ground[start : start + every])
         shift, turn, _ = position = motion.position()
         kept.append(position)

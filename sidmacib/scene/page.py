@@ -9,6 +9,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from sidmacib.errors import lacks
+
 HERE = Path(__file__).parent
 SCRIPTS = ("chart.js", "parts.js", "structure.js", "report.js", "address.js")
 TEMPLATE = HERE / "report.html.j2"
@@ -47,7 +49,7 @@ def plotly_js() -> str:
     try:
         return str(importlib.import_module("plotly.offline").get_plotlyjs())
     except ImportError:
-        raise ValueError("needs the package plotly: pip install multilock[report]") from None
+        raise lacks("plotly", "report") from None
 
 
 def rendered(template: Path, **words: Any) -> str:

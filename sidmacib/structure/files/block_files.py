@@ -15,6 +15,7 @@ import numpy as np
 import trimesh
 from pydantic import BeforeValidator, StrictBool, model_validator
 
+from sidmacib.errors import lacks
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.quantities import MEASURED_IN, Number, shown
 from sidmacib.reading import Keys, Text
@@ -142,7 +143,7 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], str]:
     try:
         rhino: Any = importlib.import_module("rhino3dm")
     except ImportError:
-        raise ValueError("needs the package rhino3dm: pip install multilock[rhino]") from None
+        raise lacks("rhino3dm", "rhino") from None
     model = rhino.File3dm.Read(str(path))
     if model is None:
         raise ValueError("is no file of Rhino that can be read")
