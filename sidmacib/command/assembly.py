@@ -1,5 +1,6 @@
 """What the command `assembly` prints and writes: loads, forces, verdicts and reserves."""
 
+import math
 import shlex
 import sys
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ import click
 
 from sidmacib.answers.ask import Solved, limit_of, static_of
 from sidmacib.answers.in_time import TimeAnswer
+from sidmacib.answers.structure_paths import LOWER
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all
 from sidmacib.command.answers import Row
 from sidmacib.command.in_time import collapse_row, drift_picture, history_rows, time_page, time_rows
@@ -339,7 +341,8 @@ def _stands(found: Reserve, *, dry: bool) -> str:
         words += " with dry joints"
     if found.factor is not None:
         words += f", with a geometrical safety factor of {found.factor:.3g}"
-    if followed and (not dry or push is None or followed.acceleration < push.acceleration):
+    least = math.inf if push is None or not dry else (1.0 - LOWER) * push.acceleration
+    if followed and followed.acceleration < least:
         what = "its first bond fails" if followed.bonds else "it falls"
         words += f"; {what} at {followed.acceleration:.3g} g towards {_way(followed.direction)}"
     elif push is None:
