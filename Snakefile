@@ -61,7 +61,14 @@ if STUDY.structures:
     STUDY_FILES += STRUCTURE_FILES
 
 
-if STUDY.samples or STUDY.structures:
+if STUDY.earthquakes:
+
+    include: "workflow/rules/earthquakes.smk"
+
+    STUDY_FILES += EARTHQUAKE_FILES
+
+
+if STUDY.samples or STUDY.structures or STUDY.earthquakes:
 
     include: "analysis/rules/report.smk"
 

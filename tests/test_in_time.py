@@ -390,7 +390,7 @@ def test_bonds_are_refused_and_other_doors_say_where_time_is_for() -> None:
     with pytest.raises(CapacityError, match="in time: blocks are not crushed"):
         TimeAnswer.of(demands_of(given, in_time=True)[0].problem)
     for door in (structure_of, sidmacib.ask):
-        with pytest.raises(ValueError, match="for multilock assembly only"):
+        with pytest.raises(ValueError, match="and earthquakes of a study"):
             door(described(blocks, {"duration": 1}, 0.5))
 
 

@@ -41,7 +41,7 @@ NASTY: list[tuple[str | bytes, str]] = [
     ("? [1, 2]\n: 3", "line 1: a list or mapping as a key; keys must be plain words"),
     (f"{STUDY}---\n{STUDY}", "line 2: not YAML: expected a single document"),
     ("samples: {n3: {locks: 3}", "line [12]: not YAML: "),
-    ("", "samples: missing; it must name at least one, unless structures does"),
+    ("", "samples: missing; it must name at least one, unless structures or earthquakes does"),
     ("---\n...\n", "samples: missing"),
 ]
 

@@ -57,6 +57,7 @@ def test_config_yaml_spells_out_the_defaults() -> None:
         "measured",
         "demand",
         "structures",
+        "earthquakes",
     ]
     del config["dem"]["numerics"]["damping"]
     assert "dem.numerics.damping" in left_out(Study, config)

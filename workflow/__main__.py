@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -120,6 +121,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
             continue
     jobs = case_jobs(study)
     cases: list[Case[Any]] = [*jobs.joints.values(), *jobs.structures.values()]
+    cases += chain.from_iterable(jobs.earthquakes.values())
     return [
         {"model": case.model, "case": case.name, **_state(*found.get(case.folder, (None, False)))}
         for case in cases

@@ -103,8 +103,33 @@ class StructureSubject:
         return {"description": self.description}
 
 
-SUBJECTS = {each.kind: each for each in (JointSubject, StructureSubject)}
-Subject = TypeVar("Subject", JointSubject, StructureSubject)
+@dataclass(frozen=True, slots=True)
+class EarthquakeSubject:
+    """A structure that a record moves in time, with a ``factor`` on its accelerations."""
+
+    kind: ClassVar[str] = "earthquakes"
+    part: ClassVar[str] = "workflow.results.earthquake_part"
+    modules: ClassVar[tuple[str, ...]] = (part, STRUCTURE_FILE)
+    demands: ClassVar[bool] = False
+
+    structure: str
+    record: str
+    factor: float
+    description: dict[str, Any]
+
+    def problem(self) -> Problem:
+        """The blocks and what moves them, but for the factor."""
+        read = importlib.import_module(STRUCTURE_FILE).demands_of
+        found: Problem = read(self.description, in_time=True)[0].problem
+        return found
+
+    def physics(self) -> dict[str, Any]:
+        """All that its results depend on, as plain values."""
+        return {"description": self.description, "factor": self.factor}
+
+
+SUBJECTS = {each.kind: each for each in (JointSubject, StructureSubject, EarthquakeSubject)}
+Subject = TypeVar("Subject", JointSubject, StructureSubject, EarthquakeSubject)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +180,7 @@ class Case(Generic[Subject]):
 
 JointCase = Case[JointSubject]
 StructureCase = Case[StructureSubject]
+EarthquakeCase = Case[EarthquakeSubject]
 
 
 def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) -> str:

@@ -17,6 +17,8 @@ from sidmacib.quantities import shown
 from workflow.case import (
     REFERENCE,
     Case,
+    EarthquakeCase,
+    EarthquakeSubject,
     JointCase,
     JointSubject,
     StructureCase,
@@ -36,6 +38,7 @@ from workflow.schema.sections import (
 )
 
 MAX_CASES = 1_000_000
+IN_TIME = "time"  # model of blocks that move
 DEAR = 10.0  # largest cost of an extra finer mesh, over that of the study's finest mesh
 BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of rigid ones 1
 WHOLE = 0.999  # of a side: a mesh must be less than it
@@ -226,3 +229,12 @@ def support_cases(study: Study) -> Iterator[tuple[StructureSubject, str, bool]]:
             if moves_support(description):
                 yade = "yade" in models_of(study, section)
                 yield StructureSubject(name, load, description), variant, yade
+
+
+def earthquake_cases(study: Study) -> Iterator[EarthquakeCase]:
+    """Each structure with each record and factor."""
+    for structure, section in study.earthquakes.items():
+        for (record, description), factor in product(section.described(), section.factors):
+            subject = EarthquakeSubject(structure, record, factor, description)
+            name = f"{structure}-{record}-{factor:g}"
+            yield Case(name, IN_TIME, REFERENCE, subject, None)

@@ -1,5 +1,6 @@
 """Read a study's configuration from a mapping or a YAML file; one line reports each error."""
 
+import re
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
@@ -58,7 +59,7 @@ def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]
         raise ConfigError(
             f"{path}: {shown(config)} is not a study; it must be a mapping of keys to values"
         )
-    return _with_descriptions(with_changes(config or {}, changes), path)
+    return _with_records(_with_descriptions(with_changes(config or {}, changes), path), path)
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
@@ -119,6 +120,53 @@ def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
         except ValueError as error:
             raise ConfigError(f"{key}: {error}") from None
     return {**config, "structures": read}
+
+
+def _with_records(config: dict[str, Any], path: Path) -> dict[str, Any]:
+    """``config`` with the descriptions and the records of its earthquakes as values.
+
+    Their files are beside ``path``; those that a structure's file names are beside that.
+    """
+    earthquakes = config.get("earthquakes")
+    if not isinstance(earthquakes, Mapping):
+        return config
+    from sidmacib.structure.files.structure_file import with_bodies  # noqa: PLC0415 (as above)
+    from sidmacib.structure.files.time_loads import recorded, with_records  # noqa: PLC0415
+    from sidmacib.structure.shaking import UNITS  # noqa: PLC0415
+
+    read = {**earthquakes}
+    for name, given in earthquakes.items():
+        if not isinstance(given, Mapping):
+            continue
+        key = f"{path}: earthquakes.{shown_key(name)}"
+        read[name] = section = {**given}
+        try:
+            if isinstance(file := section.get("file"), str):
+                own = path.parent / file
+                section["description"] = with_records(
+                    with_bodies(read_yaml(own), own.parent), own.parent
+                )
+            patterns = section.get("records")
+            patterns = (patterns,) if isinstance(patterns, str) else patterns or ()
+            if not isinstance(patterns, Mapping):
+                unit = UNITS.get(str(section.get("unit")))
+                section["records"] = {
+                    re.sub("[^A-Za-z0-9_.]", "_", each.stem): recorded(each, unit).values
+                    for pattern in patterns
+                    for each in _found(path.parent, pattern)
+                }
+        except ValueError as error:
+            raise ConfigError(f"{key}: {error}") from None
+    return {**config, "earthquakes": read}
+
+
+def _found(folder: Path, pattern: str) -> list[Path]:
+    """The files that fit a ``pattern`` in a ``folder``, in order; ValueError if there are none."""
+    if Path(pattern).is_absolute():
+        folder, pattern = Path(Path(pattern).anchor), str(Path(pattern).relative_to("/"))
+    if found := sorted(folder.glob(pattern)):
+        return found
+    raise ValueError(f"records: {shown(pattern)} is not allowed; it must be files that are there")
 
 
 def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:

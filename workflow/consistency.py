@@ -57,6 +57,7 @@ def inconsistencies(study: Study) -> Iterator[str]:
         yield from _among(f"{key}.sample", (load.sample,), "samples", [*study.samples])
         yield from _among(f"{key}.eccentricity", (load.eccentricity,), "eccentricities", ratios)
     yield from structure_faults(study)
+    yield from _earthquake_faults(study)
     if study.campaign is not None and not study.samplings:
         yield f"campaign: {study.campaign} needs samplings"
     if REFERENCE in study.variants:
@@ -344,6 +345,27 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
                 LoadSection.read(load, LOAD).on(assembly, beside)
             except ValueError as error:
                 yield f"{key}.{f'loads.{name}' if section.loads else place}: {_in_a_line(error)}"
+
+
+def _earthquake_faults(study: Study) -> Iterator[str]:
+    """Structures that nothing moves in time, or that cannot be read."""
+    for name, section in study.earthquakes.items():
+        key, whole = f"earthquakes.{name}", section.description
+        if whole is None:
+            yield f"{key}.file: missing; it must be a file of multilock assembly"
+            continue
+        load = whole.get(LOAD)
+        motions = load.get("ground", ()) if isinstance(load, Mapping) else ()
+        if len(motions) != 1 and (section.records or not motions):
+            allowed = "one, with its direction; a record is put in its place"
+            yield f"{key}.{LOAD}.ground: has {len(motions)} motions; it must have {allowed}"
+            continue
+        from sidmacib.structure.files.structure_file import demands_of  # noqa: PLC0415 (as above)
+
+        try:
+            demands_of(whole, in_time=True)
+        except ValueError as error:
+            yield f"{key}: {_in_a_line(error)}"
 
 
 def _in_a_line(error: ValueError) -> str:

@@ -16,13 +16,14 @@ from sidmacib.engines import ENGINES
 from sidmacib.models import REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.case import (
     Case,
+    EarthquakeCase,
     JointCase,
     JointSubject,
     StructureCase,
     StructureSubject,
     case_name,
 )
-from workflow.cases import cases_of, second_mesh, structure_cases
+from workflow.cases import cases_of, earthquake_cases, second_mesh, structure_cases
 from workflow.consistency import node_estimate
 from workflow.schema import Study
 from workflow.threedec import PRINTED, deck_folder, decks
@@ -48,12 +49,13 @@ class CaseJobs:
 
     ``joints`` and ``structures``: those of the study itself. ``engines`` and ``returned``: a case
     each. ``batches``: of one model, together with cases of the static model that engines are
-    compared with; all loads and variants of a structure are one. ``decks``: cases that 3DEC may
-    solve, by name.
+    compared with; all loads and variants of a structure are one. ``earthquakes``: all factors on a
+    record are one. ``decks``: cases that 3DEC may solve, by name.
     """
 
     joints: Mapping[str, JointCase]
     structures: Mapping[str, StructureCase]
+    earthquakes: Mapping[str, tuple[EarthquakeCase, ...]]
     engines: Mapping[str, Case[Any]]
     batches: Mapping[str, tuple[Case[Any], ...]]
     returned: Mapping[str, JointCase]
@@ -82,9 +84,15 @@ def case_jobs(study: Study) -> CaseJobs:
         if case.model in SOLVED:
             folder = f"{StructureSubject.kind}/{case.model}/{case.subject.structure}"
             solved[folder] = (*solved.get(folder, ()), case)
+    earthquakes: dict[str, tuple[EarthquakeCase, ...]] = {}
+    for each in earthquake_cases(study):
+        of = each.subject
+        folder = f"{of.kind}/{each.model}/{of.structure}-{of.record}"
+        earthquakes[folder] = (*earthquakes.get(folder, ()), each)
     return CaseJobs(
         joints,
         structures,
+        earthquakes,
         {case.folder: case for case in both if case.model in ENGINES},
         solved,
         {case.folder: case for case in every if case.model in RETURNED},

@@ -12,7 +12,8 @@ from analysis.published import quantity_label
 from workflow.results.tables import TABLES, meaning
 
 UNITS = {
-    **{"J_m2": "J/m²", "N": "N", "Nm": "N m", "m": "m", "m2": "m²", "m3": "m³", "Pa": "Pa"},
+    **{"J_m2": "J/m²", "m_s2": "m/s²", "m_s": "m/s"},
+    **{"N": "N", "Nm": "N m", "m": "m", "m2": "m²", "m3": "m³", "Pa": "Pa"},
     **{"degrees": "°", "s": "s"},
 }
 # Of columns that hold a share, which is shown in percent.

@@ -19,7 +19,7 @@ import yaml
 
 from analysis.drawing import SERIES, label_of
 from analysis.published import read_published
-from analysis.report import headings, json_table, words
+from analysis.report import finding, headings, json_table, words
 from analysis.report.joints import answer_content, joints_content, joints_verdict, size_table
 from analysis.report.structures import (
     structures_content,
@@ -27,6 +27,7 @@ from analysis.report.structures import (
     supports_verdict,
     with_room,
 )
+from analysis.summary.earthquakes import lines
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
 from sidmacib.scene.page import HERE as SCENE  # shared with the explorer and the command
@@ -128,11 +129,14 @@ def content(
             verdict += supports_verdict(tables["supports"])
         shown |= with_room(tables)
         data["structures"] = structures_content(structures, shown["blocks"], shown["interfaces"])
+    if "fragility" in tables:
+        names += dict.fromkeys(tables["fragility"]["structure"])
+        verdict += [finding(name, f"{words}.") for name, words in lines(tables["fragility"])]
     failed = [
         tables[name]
         .loc[tables[name]["error"].notna(), ["model", column, "error"]]
         .set_axis(["model", "name", "error"], axis=1)
-        for name, column in (("cases", "name"), ("structures", "case"))
+        for name, column in (("cases", "name"), ("structures", "case"), ("earthquakes", "case"))
         if name in tables
     ]
     return {

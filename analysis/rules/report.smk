@@ -43,7 +43,11 @@ rule summary:
 # Not in a group: a failing group loses all its outputs, and this rule fails if a case has no result.
 rule complete:
     input:
-        **{name: path for name, path in SUMMARY_INPUTS.items() if name in ("cases", "structures")},
+        **{
+            name: path
+            for name, path in SUMMARY_INPUTS.items()
+            if name in ("cases", "structures", "earthquakes")
+        },
         summary=rules.summary.output.summary,
     output:
         mark=below(".complete"),
@@ -69,7 +73,9 @@ rule report:
         "tables"
     params:
         study=lambda wildcards: STUDY.part("variants") if STUDY.samples else None,
-        configuration=lambda wildcards: STUDY.model_dump_json(exclude={"results"}),
+        configuration=lambda wildcards: STUDY.model_dump_json(
+            exclude={"results": True, "earthquakes": {"__all__": {"records"}}}
+        ),
         cases=lambda wildcards: [*reversed(SHOWN_STRUCTURES.values())],
         code=code("analysis.report.page", StructureSubject.modules, PAGE_FILES),
     message:

@@ -20,6 +20,7 @@ from analysis.summary import (
     percent,
     varied,
 )
+from analysis.summary.earthquakes import summary as earthquakes_summary
 from analysis.summary.structures import summary as structures_summary
 from analysis.tables import winner
 from sidmacib.mechanics.assembly import NodeLayout
@@ -310,14 +311,18 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     if "structures" in tables:
         others = tables.get("supports"), tables.get("verdicts")
         texts.append(structures_summary(results, tables["structures"], *others))
+    if "fragility" in tables:
+        texts.append(earthquakes_summary(tables["fragility"], tables["earthquakes"]))
     outputs["summary"].write_text("\n".join(texts))
 
 
 def check_complete(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
-    tables, names = read_tables(inputs), {"cases": "name", "structures": "case"}
+    tables, names = read_tables(inputs), {"cases": "name"}
     count = sum(map(len, tables.values()))
-    failed = [line for kind, cases in tables.items() for line in _failures(cases, names[kind])]
+    failed = [
+        line for kind, cases in tables.items() for line in _failures(cases, names.get(kind, "case"))
+    ]
     if not failed:
         outputs["mark"].write_text(f"{count} cases\n")
         return None

@@ -37,11 +37,13 @@ class TimeAnswer:
     history: History
 
     @classmethod
-    def of(cls, problem: Problem, progress: Callable[[str], object] = str) -> "TimeAnswer":
-        """What happens; ``progress`` is told how far it is. Errors of `history`."""
+    def of(
+        cls, problem: Problem, progress: Callable[[str], object] = str, factor: float = 1.0
+    ) -> "TimeAnswer":
+        """What happens; ``factor`` and ``progress`` as of `history`, and its errors."""
         assembly, loads = problem
         assert isinstance(loads, TimeLoads), "loads in time"
-        return cls(problem, history(assembly, loads, progress=progress))
+        return cls(problem, history(assembly, loads, factor, progress=progress))
 
     @cached_property
     def largest_shift(self) -> Extreme:

@@ -16,10 +16,11 @@ import numpy as np
 from sidmacib.mechanics.assembly import GRAVITY, Floats
 from sidmacib.structure.loads import StructureLoads
 
-IN_TIME = "load.duration: what acts in time is for multilock assembly only"
+IN_TIME = "load.duration: what acts in time is for multilock assembly, and earthquakes of a study"
 AT2 = re.compile(r"NPTS\s*=\s*(\d+).*?DT\s*=\s*([-+.\dEe]+)", re.IGNORECASE | re.DOTALL)
 OTHER = re.compile(r"VELOCITY|DISPLACEMENT|CM/S\S*", re.IGNORECASE)
 AT2_HEAD = 4  # lines
+UNITS = {"m/s2": 1.0, "cm/s2": 0.01, "g": GRAVITY}  # of records
 
 
 class Shape(StrEnum):
@@ -75,10 +76,25 @@ class Accelerogram:
     acceleration: Floats
     direction: tuple[float, ...]
 
+    @classmethod
+    def of(cls, rows: Floats, factor: float, direction: tuple[float, ...]) -> "Accelerogram":
+        """From ``rows`` of times and of accelerations, which ``factor`` turns into m/s2.
+
+        It begins at the first time. ValueError for times that do not grow.
+        """
+        if not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0.0).all():
+            raise ValueError("times must grow, and numbers must be finite")
+        return cls(rows[:, 0] - rows[0, 0], factor * rows[:, 1], direction)
+
     @property
     def end(self) -> float:
         """See `Ground`."""
         return float(self.time[-1])
+
+    @property
+    def values(self) -> dict[str, list[float]]:
+        """Times and accelerations by name."""
+        return {"time": self.time.tolist(), "acceleration": self.acceleration.tolist()}
 
     def velocity(self, time: Floats) -> Floats:
         """See `Ground`; beyond the record the ground moves on as it did at its end."""
@@ -113,17 +129,18 @@ def accelerogram(
         rows = np.array([(k * steps, float(each)) for k, each in enumerate(values)])
         unit = GRAVITY if unit is None else unit
     else:
-        lines = [re.split(r"[\s,;]+", line.strip()) for line in text.splitlines()]
-        numbers = [line for line in lines if _is_number(line[0])]
+        split = [(re.split(r"[\s,;]+", line.strip()), line) for line in text.splitlines()]
+        numbers = [line for line, _ in split if _is_number(line[0])]
         whole = all(len(line) == 2 and _is_number(line[1]) for line in numbers)
-        if len(numbers) < 2 or not whole or (";" in text and "," in text):
+        commas = any(";" in text and "," in text for line, text in split if _is_number(line[0]))
+        if len(numbers) < 2 or not whole or commas:
             allowed = "two columns, time (s) and acceleration, with decimal points"
             raise ValueError(f"{path.name}: must have {allowed}")
         rows = np.array([(float(line[0]), float(line[1])) for line in numbers])
-    if not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0.0).all():
-        raise ValueError(f"{path.name}: times must grow, and numbers must be finite")
-    factor = scale * (1.0 if unit is None else unit)
-    return Accelerogram(rows[:, 0] - rows[0, 0], factor * rows[:, 1], direction)
+    try:
+        return Accelerogram.of(rows, scale * (1.0 if unit is None else unit), direction)
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from None
 
 
 def _is_number(text: str) -> bool:

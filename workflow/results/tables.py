@@ -226,6 +226,25 @@ SUPPORTS = Table(
     ),
     ("structure", "load", "variant", "answer"),
 )
+EARTHQUAKES = Table(
+    "earthquakes",
+    (
+        *("structure", "record", "factor", "peak_acceleration_m_s2", "peak_velocity_m_s", "falls"),
+        *("first_block", "falls_at_s", "displacement_m", "rotation_degrees"),
+        *("last_displacement_m", "last_rotation_degrees", "note", "error", "model", "case"),
+    ),
+    ("structure", "record", "factor"),
+    ("peak_acceleration_m_s2", "peak_velocity_m_s", "falls_at_s"),
+)
+FRAGILITY = Table(
+    "fragility",
+    (
+        *("structure", "intensity", "motions", "falls", "median", "dispersion"),
+        *("median_low", "median_high", "note"),
+    ),
+    ("structure", "intensity"),
+    ("median", "dispersion", "median_low", "median_high"),
+)
 TABLES = tuple(each for each in globals().values() if isinstance(each, Table))
 MORE: Mapping[str, Sequence[str]] = {  # columns of a table that may follow those it must have
     MODELS.name: ("displacement_at_<share>_percent_m", "weight_lock<number>", "case"),

@@ -16,6 +16,7 @@ from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.quantities import Friction, Length, Number, Part, Share, one_of, shown
 from sidmacib.reading import Label, Section, Some, Text
 from workflow.case import REFERENCE
+from workflow.schema.earthquakes import EarthquakeSection
 from workflow.schema.sections import (
     AssemblySection,
     Eccentricities,
@@ -282,11 +283,13 @@ class Study(Section):
     measured: MeasuredSection | None = None
     demand: DemandSection | None = None
     structures: dict[Name, StructureSection] = Field(default_factory=dict)
+    earthquakes: dict[Name, EarthquakeSection] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _of_something(self) -> Self:
-        if not self.samples and not self.structures:
-            raise ValueError("samples: missing; it must name at least one, unless structures does")
+        if not (self.samples or self.structures or self.earthquakes):
+            allowed = "it must name at least one, unless structures or earthquakes does"
+            raise ValueError(f"samples: missing; {allowed}")
         return self
 
     @property

@@ -1,24 +1,32 @@
 """The keys of a structure's file for what acts in time: ground motions, blows, lost supports."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, FiniteFloat, model_validator
 
-from sidmacib.mechanics.assembly import GRAVITY, Assembly
+from sidmacib.mechanics.assembly import Assembly
 from sidmacib.quantities import Number, Part, one_of
 from sidmacib.reading import Keys, Some, Text, Way
 from sidmacib.structure.files.loads import ForceSection, Newtons
 from sidmacib.structure.loads import Permanent, numbered, permanent_force, permanent_only
-from sidmacib.structure.shaking import Ground, Pulse, Shape, TimeLoads, accelerogram
+from sidmacib.structure.shaking import (
+    UNITS,
+    Accelerogram,
+    Ground,
+    Pulse,
+    Shape,
+    TimeLoads,
+    accelerogram,
+)
 from sidmacib.validation import refused
 
 Seconds = Annotated[float, Number(above=0, unit="s")]
 MOST_STEPS = 10_000_000
 _Speed = Annotated[float, Number(at_least=-1e3, at_most=1e3, unit="m/s")]
-UNITS = {"m/s2": 1.0, "cm/s2": 0.01, "g": GRAVITY}
 
 
 class PulseSection(Keys):
@@ -32,12 +40,35 @@ class PulseSection(Keys):
     """how long it lasts, s"""
 
 
+class AccelerogramSection(Keys):
+    """The values of a record."""
+
+    time: Annotated[tuple[FiniteFloat, ...], Some]
+    """s; they grow"""
+    acceleration: Annotated[tuple[FiniteFloat, ...], Some]
+    """at each time, linear in between"""
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if len(self.time) != len(self.acceleration):
+            raise ValueError("must have as many times as accelerations")
+        self.along((), 1.0)
+        return self
+
+    def along(self, direction: tuple[float, ...], factor: float) -> Accelerogram:
+        """The motion along a unit ``direction``; ``factor``: m/s2 of an acceleration of 1."""
+        rows = np.column_stack([self.time, self.acceleration])
+        return Accelerogram.of(rows, factor, direction)
+
+
 class GroundSection(Keys):
     """A motion of the ground along a direction: a pulse, or a record."""
 
     pulse: PulseSection | None = None
     record: Annotated[str, Some] | None = None
     """a file of columns of time (s) and acceleration, or of PEER (AT2)"""
+    accelerogram: AccelerogramSection | None = None
+    """in place of a file"""
     unit: Annotated[str, one_of(UNITS)] | None = None
     """of the record's accelerations, by default m/s2, of AT2 g"""
     scale: Annotated[float, Number(above=0)] = 1.0
@@ -46,9 +77,9 @@ class GroundSection(Keys):
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
-        if (self.pulse is None) == (self.record is None):
-            raise ValueError("must have either pulse or record")
-        if self.unit is not None and self.record is None:
+        if sum(each is not None for each in (self.pulse, self.record, self.accelerogram)) != 1:
+            raise ValueError("must have either pulse or record (or accelerogram)")
+        if self.unit is not None and self.pulse is not None:
             raise ValueError("unit: is of a record")
         return self
 
@@ -59,14 +90,46 @@ class GroundSection(Keys):
         if self.pulse:
             pulse = self.pulse
             return Pulse(pulse.shape, self.scale * pulse.acceleration, pulse.duration, along)
+        unit = UNITS.get(self.unit or "")
+        if self.accelerogram:
+            return self.accelerogram.along(along, self.scale * (1.0 if unit is None else unit))
         assert self.record is not None
-        path = folder / self.record
-        try:
-            return accelerogram(path, UNITS.get(self.unit or ""), self.scale, along)
-        except OSError as error:
-            raise ValueError(f"record: {path} cannot be read ({error.strerror})") from None
-        except ValueError as error:
-            raise ValueError(f"record: {error}") from None
+        return recorded(folder / self.record, unit, self.scale, along)
+
+
+def recorded(
+    path: Path, unit: float | None, scale: float = 1.0, along: tuple[float, ...] = ()
+) -> Accelerogram:
+    """The `accelerogram` in a file; ValueError that names the key, too, if it cannot be read."""
+    try:
+        return accelerogram(path, unit, scale, along)
+    except OSError as error:
+        raise ValueError(f"record: {path} cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise ValueError(f"record: {error}") from None
+
+
+def with_records(description: Any, folder: Path) -> Any:
+    """``description`` with values in place of the records that its load names.
+
+    ``folder``: that their paths start from. ValueError if one cannot be read.
+    """
+    load = description.get("load") if isinstance(description, Mapping) else None
+    if not isinstance(load, Mapping) or "ground" not in load:
+        return description
+    ground = [
+        _with_values(each, folder) if isinstance(each, Mapping) and "record" in each else each
+        for each in _several(load["ground"])
+    ]
+    return {**description, "load": {**load, "ground": ground}}
+
+
+def _with_values(ground: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    given = GroundSection.read(ground, "load", "ground")
+    assert given.record is not None
+    values = recorded(folder / given.record, UNITS.get(given.unit or "")).values
+    kept = {key: value for key, value in ground.items() if key not in ("record", "unit")}
+    return {**kept, "accelerogram": values}
 
 
 def _several(value: Any) -> Any:
