@@ -55,6 +55,9 @@ from .rule.reliability import characteristic as characteristic
 from .rule.reliability import design_resistance as design_resistance
 from .structure.analysis.kinematics import CapacityCurve as CapacityCurve
 from .structure.analysis.kinematics import capacity_curve as capacity_curve
+from .structure.analysis.seismic import SeismicCheck as SeismicCheck
+from .structure.analysis.seismic import Spectrum as Spectrum
+from .structure.analysis.seismic import seismic_check as seismic_check
 from .structure.analysis.supports import greatest_reaction as greatest_reaction
 from .structure.analysis.supports import least_reaction as least_reaction
 from .structure.analysis.supports import support_path as support_path

@@ -24,6 +24,7 @@ from sidmacib.command.output import (
     text_of,
     write_text,
 )
+from sidmacib.command.seismic import answer, checked, seismic_picture, seismic_rows
 from sidmacib.command.structures import (
     curve_rows,
     force_rows,
@@ -74,6 +75,7 @@ class Wanted:
     note: Path | None
     history: Path | None
     collapse: bool
+    seismic: bool
     engines: Sequence[str]
     notes: Sequence[str] = ()
 
@@ -146,6 +148,8 @@ def passes(wanted: Wanted) -> bool:
         return _reserve_passes(wanted, first)
     elif first.case is not None:
         return _cases_pass(wanted, demands)
+    if wanted.seismic:
+        return _bears_earthquake(wanted, first.problem)
     if isinstance(first.problem.loads, TimeLoads):
         return _stands_in_time(wanted, first.problem)
     wanted.refuse("needs a load with a duration (load.duration)", "history", "collapse")
@@ -208,6 +212,18 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
         text = time_page(answer, wanted.file.stem, rows, wanted.notes, command)
         write_text(text, wanted.report, "--report")
     return answer.said == "Yes"
+
+
+def _bears_earthquake(wanted: Wanted, problem: Problem) -> bool:
+    """Whether the mechanism bears the displacement that the spectrum in the file asks for."""
+    wanted.refuse("must not be given beside --seismic", *OF_LOADS, "report", "history", "collapse")
+    found = checked(wanted.description, problem)
+    bears, words = answer(found)
+    say(words, wanted.form)
+    wanted.show(seismic_rows(found), verdict="yes" if bears else "no", answer=words)
+    if wanted.picture is not None:
+        draw(seismic_picture(found, wanted.file.stem), wanted.picture)
+    return bears
 
 
 def _answer_support(wanted: Wanted, problem: Problem) -> None:

@@ -95,6 +95,11 @@ GAP = Number(at_least=0, unit="m")
     help="Where the ground moves: find the factor on its motion at which the structure falls.",
 )
 @click.option(
+    "--seismic",
+    is_flag=True,
+    help="Verify the mechanism for the spectrum in the file by displacements: Circolare 7/2019.",
+)
+@click.option(
     "-m",
     "--model",
     "engines",

@@ -21,6 +21,7 @@ from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.block_files import FileSection, Unit, metres, require_likely
 from sidmacib.structure.files.compas import DENSITIES
 from sidmacib.structure.files.loads import LoadCaseSection, LoadSection, PermanentSection
+from sidmacib.structure.files.seismic import SeismicSection
 from sidmacib.structure.files.selection import Between
 from sidmacib.structure.files.time_loads import TimeSection
 from sidmacib.structure.locks import ALL, Condensed, Locks
@@ -275,6 +276,8 @@ class StructureFile(Keys):
     """layout of the nodes on a cell; by default `lobatto` if anything is bonded, else `vertices`"""
     tolerance: Annotated[float, Number(above=0, at_most=0.1)] = 1e-6
     """largest gap between faces that touch, over the mean size of the free blocks"""
+    seismic: SeismicSection | None = None
+    """the spectrum of `multilock assembly --seismic`; else it is ignored"""
     design: Any = None
     """the task of `multilock design`; the other commands ignore it"""
 
