@@ -153,6 +153,31 @@ def test_a_block_that_is_thrown_flies_on_a_parabola_and_lands() -> None:
     assert (np.diff(answer.history.energy) < 1e-6).all()
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+def test_momentum_is_kept_when_blocks_collide_off_centre(restitution: float) -> None:
+    """On smooth ground, which takes none along it: linear, and angular about the vertical."""
+    blocks = {
+        "ground": GROUND,
+        "one": {"low": [-0.8, 0.0, 0], "high": [-0.4, 0.4, 0.2]},
+        "two": {"low": [0.2, 0.25, 0], "high": [0.6, 0.85, 0.2]},
+    }
+    blow = {"block": "one", "velocity": [2.0, 0, 0]}
+    load = {"blow": blow, "duration": 0.6, "restitution": restitution}
+    answer = moved(blocks, load, 0.0)
+    assembly, found = answer.problem.assembly, answer.history
+    time, shift, turn = found.time, found.shift, found.turn[:, :, 2]
+    mass, angular, linear = [each.mass for each in assembly.pieces], 0.0, 0.0
+    speed = (shift[-1] - shift[-20]) / (time[-1] - time[-20])
+    spin = (turn[-1] - turn[-20]) / (time[-1] - time[-20])
+    for k, gyration in ((1, (0.4**2 + 0.4**2) / 12.0), (2, (0.4**2 + 0.6**2) / 12.0)):
+        x, y, _ = assembly.pieces[k].centre + shift[-1, k]
+        linear += mass[k] * speed[k]
+        angular += mass[k] * (x * speed[k, 1] - y * speed[k, 0] + gyration * spin[k])
+    assert linear == pytest.approx([mass[1] * 2.0, 0.0, 0.0], abs=1e-6 * mass[1])
+    assert angular == pytest.approx(-mass[1] * 2.0 * 0.2, rel=1e-3)
+    assert abs(spin[2]) > 0.1
+
+
 def test_energy_never_rises_while_a_stack_comes_to_rest() -> None:
     blocks = {"ground": GROUND, "a": FLAT, "b": {"low": [0, 0, 0.2], "high": [0.2, 0.3, 0.9]}}
     load = {"blow": {"block": "b", "velocity": [0.6, 0.1, 0]}, "duration": 2}

@@ -15,7 +15,14 @@ from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.answers.structure_paths import LOWER
 from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all
 from sidmacib.command.answers import Row
-from sidmacib.command.in_time import collapse_row, drift_picture, history_rows, time_page, time_rows
+from sidmacib.command.in_time import (
+    collapse_row,
+    drift_picture,
+    history_rows,
+    time_page,
+    time_rows,
+    yade_row,
+)
 from sidmacib.command.output import (
     draw,
     require_answer,
@@ -132,8 +139,8 @@ def passes(wanted: Wanted) -> bool:
         wanted = replace(wanted, description=description)
     demands = demands_of(wanted.description, wanted.file.parent, in_time=True)
     first = demands[0]
-    if wanted.engines and not isinstance(first.problem.loads, SupportMotion):
-        raise click.UsageError("--model: is for a support that moves only")
+    if wanted.engines and not isinstance(first.problem.loads, SupportMotion | TimeLoads):
+        raise click.UsageError("--model: is for a support that moves, or ground that does")
     wanted = replace(wanted, notes=notes_on(wanted.description, first.problem.assembly))
     for line in wanted.notes:
         click.echo(f"Note: {line}", err=True)
@@ -198,6 +205,8 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
     with status_line() as progress:
         answer = TimeAnswer.of(problem, progress)
         rows = time_rows(answer)
+        if wanted.engines:
+            rows.append(yade_row(problem, progress))
         if wanted.collapse:
             rows.append(collapse_row(answer, progress))
     say(answer.words, wanted.form)

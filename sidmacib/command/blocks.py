@@ -105,7 +105,7 @@ GAP = Number(at_least=0, unit="m")
     "engines",
     multiple=True,
     type=click.Choice(("yade",)),
-    help="Where a support moves: find the movement at which the structure falls with YADE too.",
+    help="Where a support or the ground moves: ask YADE too.",
 )
 @note_option
 @format_option

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,7 +14,8 @@ from sidmacib.command.answers import Row
 from sidmacib.command.output import in_asked_words, plot
 from sidmacib.command.structure_views import page_words
 from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, OCHRE, ORANGE, PURPLE, SKY, VERMILION
-from sidmacib.problem import Outcome, State
+from sidmacib.engines.run import USUAL, EngineError
+from sidmacib.problem import Outcome, Problem, State
 from sidmacib.scene.drawn import Drawn, shape_of
 from sidmacib.scene.forces import arrows_of
 from sidmacib.scene.page import page
@@ -58,6 +61,29 @@ def collapse_row(answer: TimeAnswer, tell: Tell) -> Row:
         note = f"it falls down to 1 / {STEEPEST:g}"
     name = "factor on the ground motion at which it falls"
     return {"what": name, "value": factor or None, "block": "", "time (s)": None, "note": note}
+
+
+def yade_row(problem: Problem, tell: Tell) -> Row:
+    """The largest displacement in YADE; the note says why there is none."""
+    from sidmacib.engines.curve import engine_motion
+
+    tell("YADE moves the ground")
+    row: Row = {
+        "what": "largest displacement, YADE (m)",
+        "value": None,
+        "block": "",
+        "time (s)": None,
+    }
+    try:
+        with TemporaryDirectory() as folder:
+            time, motion = engine_motion(problem, USUAL, Path(folder))
+    except EngineError as error:
+        return {**row, "note": error.in_short}
+    size = np.linalg.norm(motion[:, :, :3], axis=2)
+    when, piece = np.unravel_index(int(size.argmax()), size.shape)
+    found = {"value": float(size[when, piece]), "time (s)": float(time[when])}
+    block = problem.assembly.pieces[int(piece)].name
+    return {**row, **found, "block": block, "note": "elastic contacts, hardly damped"}
 
 
 def history_rows(answer: TimeAnswer) -> list[Row]:

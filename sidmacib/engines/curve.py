@@ -1,4 +1,4 @@
-"""Structures that YADE moves: capacity curves, and supports that settle, spread or turn."""
+"""Structures that YADE moves: capacity curves, supports that settle, ground that shakes."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -6,13 +6,15 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from sidmacib.engines import YADE, Numerics
-from sidmacib.engines.render import write_script
+from sidmacib.engines.render import Ground, write_script
 from sidmacib.engines.results import read_history
 from sidmacib.engines.run import HOUR, USUAL, EngineError, EngineNoAnswerError, execute, refusal
+from sidmacib.engines.scripts.records import HISTORY
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.supports import SupportAnswer
 from sidmacib.structure.loads import SupportMotion
+from sidmacib.structure.shaking import TimeLoads
 
 
 def engine_curve(
@@ -73,3 +75,30 @@ def _run(
     _, path = read_history(folder)
     displacement, load = np.array([(state.displacement, state.load) for state in path]).T
     return displacement, load
+
+
+def engine_motion(
+    problem: Problem, numerics: Numerics, folder: Path, time_limit: float = HOUR
+) -> tuple[Floats, Floats]:
+    """Times (s), (T,), and displacement (m) and rotation vector of each piece then, (T, P, 6).
+
+    YADE moves the ground of loads in time as `sidmacib.dynamics.motion.history` does, but with
+    elastic contacts; pieces turn about the horizontal axis across the first motion. Its files are
+    left in ``folder``. `EngineError` if YADE ends without a result, and for what acts otherwise.
+    """
+    assembly, loads = problem
+    assert isinstance(loads, TimeLoads), "loads in time"
+    if loads.sudden.any() or loads.speed.any() or loads.lost is not None or not loads.ground:
+        raise EngineNoAnswerError("yade: in time moves the ground only")
+    if reason := refusal(YADE, assembly):
+        raise EngineNoAnswerError(f"yade: {reason}")
+    ground = loads.accelerations()
+    along = ground[np.linalg.norm(ground, axis=1).argmax()]
+    across = np.cross(along, [0.0, 0.0, 1.0])
+    moved = Ground(loads.step, ground, across / np.linalg.norm(across))
+    write_script(YADE, assembly, loads, numerics, "Structure.", folder, ground=moved)
+    execute(YADE, folder, time_limit)
+    rows = np.loadtxt(folder / HISTORY, delimiter=",", skiprows=1)
+    pieces = len(assembly.pieces)
+    time = rows[::pieces, 0]
+    return time, rows[:, 2:].reshape(len(time), pieces, 6)

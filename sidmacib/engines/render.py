@@ -3,7 +3,7 @@
 import json
 import math
 import shutil
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from sidmacib.mechanics.assembly import (
     Rectangle,
 )
 from sidmacib.mechanics.equilibrium import natural_frequencies
+from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.loads import SupportMotion
 
 DATA_FILE = "joint.json"
@@ -50,6 +51,28 @@ ENVIRONMENT = jinja2.Environment(
 )
 
 
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Accelerations of the ground in steps of ``step`` (s), (K, 3) in m/s2.
+
+    Pieces turn about the horizontal axis ``across`` the motion, a unit vector.
+    """
+
+    step: float
+    acceleration: Floats
+    across: Floats
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """As a script reads it."""
+        return {"step_s": self.step, "acceleration": self.acceleration.tolist()}
+
+    def inertia(self, piece: Piece) -> float:
+        """That of a block about the axis, kg m2."""
+        assert isinstance(piece, Block | Compound), "blocks of a structure"
+        return float(self.across @ piece.inertia_tensor @ self.across)
+
+
 def write_script(
     engine: Engine,
     assembly: Assembly,
@@ -59,14 +82,20 @@ def write_script(
     folder: Path,
     guide: Guide | None = None,
     furthest: float | None = None,
+    ground: Ground | None = None,
 ) -> None:
     """Write into ``folder`` all that the engine needs to run there, by hand as well.
 
-    ``guide``: where it looks first. ``furthest``: the displacement (m) to which YADE moves the
-    assembly, in place of a search.
+    ``guide``: where it looks first. In place of a search, ``furthest``: the displacement (m) to
+    which YADE moves the assembly; or the ``ground`` that shakes it.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
+    data = assembly_data(assembly, loads)
+    if ground is not None:
+        data["ground"] = ground.data
+        for piece, of in zip(data["pieces"], assembly.pieces, strict=True):
+            piece["inertia_kgm2"] = ground.inertia(of)
+    (folder / DATA_FILE).write_text(json.dumps(data))
     text = ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
@@ -77,6 +106,7 @@ def write_script(
         **_range(assembly, loads, numerics),
         tolerance=numerics.tolerance,
         guide=guide,
+        found="motion" if ground else "peak" if furthest is None else "curve",
         furthest_m=furthest,
         **({} if engine.elastic else _rigid_pieces_in_time(assembly, numerics)),
     )

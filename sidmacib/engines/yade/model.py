@@ -18,6 +18,7 @@ from ..scripts.assembly import (
     GivenSearch,
     Node,
     SupportMove,
+    Vector,
 )
 from ..scripts.motion import STILL, Fall, PieceMotion
 from ..scripts.records import EngineOutcome, History, NodeForce
@@ -209,6 +210,17 @@ class YadeModel:
             O.forces.setPermT(self.clumps[index], moments[index])
         if self.assembly.support:
             self._move_support(self.assembly.support, load)
+
+    def undamp(self, damping: float) -> None:
+        """Give Cundall's damping another value, from now on."""
+        O.engines[-1].damping = damping
+
+    def shake(self, acceleration: Vector) -> None:
+        """Put the permanent loads on the pieces, and their inertia against that of the ground."""
+        for index in self.assembly.free:
+            piece = self.assembly.pieces[index]
+            force = Vector3(piece.force_N) - piece.mass_kg * Vector3(acceleration)
+            O.forces.setPermF(self.clumps[index], force)
 
     def _move_support(self, support: SupportMove, movement: float) -> None:
         """Give the support the velocity that brings it there (m or rad) in the next slice."""

@@ -1,6 +1,8 @@
 """The peak of an assembly by distinct elements in YADE, or its load over a displacement."""
 
+import json
 import math
+from pathlib import Path
 
 from ..scripts.assembly import GivenAssembly, GivenSearch
 from ..scripts.increments import peak_by_increments
@@ -17,6 +19,8 @@ from .model import SLICE, YadeModel, YadeSettings
 from .program import VERSION
 
 POINTS = 40  # equilibria of a curve
+IN_TIME = 0.002  # damping where the ground moves
+KEPT = 10  # slices from one row of a motion to the next
 YIELDS = 0.01  # over the mean size of pieces: by so much a load as large as the weight moves it
 
 
@@ -48,6 +52,35 @@ def find_curve(
         if load > peak.load:
             peak = EnginePeak(load, load, None, MECHANISM, model.node_forces())
     history.write(peak, "yade", VERSION)
+
+
+def find_motion(
+    assembly: GivenAssembly, search: GivenSearch, settings: YadeSettings, path: str
+) -> None:
+    """Move the ground of the data file at ``path``; ``history.csv`` has where pieces are.
+
+    In the frame of the ground, where its acceleration acts on every mass. Nothing dissipates but
+    friction and Cundall's damping, which is small here. Exits where pieces meet.
+    """
+    history = History(assembly)
+    model = YadeModel(assembly, search, settings, history)
+    require_standing(model.raised(0.0, 0.0, (0.0, 1.0)), model.met, search.guide)
+    ground = json.loads(Path(path).read_text())["ground"]
+    every, slice_s, rows = ground["acceleration"], SLICE * search.time_step_s, []
+    model.undamp(IN_TIME)
+    for step in range(math.ceil(len(every) * ground["step_s"] / slice_s)):
+        now = every[min(int(step * slice_s / ground["step_s"]), len(every) - 1)]
+        model.shake(now)
+        motions = model.advance()
+        if model.met:
+            require_contacts(EngineOutcome.MEETING, f"{step * slice_s:.4g} s", model.met)
+        if step % KEPT == 0:
+            for piece, (moved, turned) in enumerate(motions):
+                place = dict(zip(("x_m", "y_m", "z_m"), moved, strict=True))
+                turn = dict(zip(("rx_rad", "ry_rad", "rz_rad"), turned, strict=True))
+                rows.append({"time_s": (step + 1) * slice_s, "piece": piece, **place, **turn})
+    history.rows[:] = rows
+    history.write(EnginePeak(0.0, 0.0, None, MECHANISM, model.node_forces()), "yade", VERSION)
 
 
 def _pulled(model: YadeModel, stiffness: float, ends: tuple[float, float]) -> float:
