@@ -13,7 +13,7 @@ from sidmacib.scene.page import VALIDATED
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from studies.measured.contacts import description, given, pushes
-from studies.measured.walls import HERE, Campaign, campaigns, computed, rows
+from studies.measured.walls import HERE, Campaign, campaigns, computed, cracked, rows
 from workflow.schema import with_changes
 
 SPAN = re.compile(r"(\d\.\d+) to (\d\.\d+)")
@@ -38,6 +38,16 @@ def test_a_brick_wall_carries_out_of_its_plane_what_was_measured() -> None:
 
 
 @pytest.mark.study
+def test_walls_part_where_they_cracked_course_by_course() -> None:
+    walls = [wall for campaign in campaigns().values() for wall in cracked(campaign)]
+    assert [wall.specimen for wall in walls] == ["WS.100", "SW.30.1"]
+    for wall in walls:
+        rows = [*wall.rows]
+        assert len(rows) == 8
+        for row in rows:
+            assert row["computed_m"] == pytest.approx(row["crack_m"], abs=0.011)
+
+
 def test_a_granite_wall_rocks_at_what_was_measured() -> None:
     granite = campaigns()["granite"]
     kind = {"40 kN": granite.kinds["40 kN"]}

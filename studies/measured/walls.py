@@ -3,8 +3,8 @@
     make measured
 
 `walls.yaml` has the loads, with their sources. Nothing is fitted: sizes, forces and moduli are
-those of the sources. Writes ``tables/walls.csv``, and two figures: measured over computed, and
-forces over displacements beside curves that were measured.
+those of the sources. Writes tables of loads and of cracks, and three figures: measured over
+computed, forces over displacements beside curves that were measured, and cracks.
 """
 
 import argparse
@@ -26,6 +26,7 @@ from sidmacib.reading import Section, Text
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
 from studies.markdown import markdown, markdown_of, table_in
+from studies.measured.cracks import CRACKS, Cracked, cracks_figure
 from workflow.results.tables import Table, write_table
 from workflow.schema import with_changes
 
@@ -51,6 +52,8 @@ class Specimen(Section):
     """the largest load in each direction in which it was pushed"""
     failure: Text
     """as reported"""
+    crack: tuple[Annotated[float, Number(at_least=0, unit="m")], ...] = ()
+    """how far from the toe, course by course from the lowest"""
 
 
 class Campaign(Section):
@@ -114,6 +117,16 @@ def computed(campaign: Campaign, folder: Path = HERE) -> dict[str, Computed]:
     descriptions = [with_changes(file, changes) for changes in campaign.kinds.values()]
     with ProcessPoolExecutor() as processes:
         return dict(zip(campaign.kinds, processes.map(Computed.of, descriptions), strict=True))
+
+
+def cracked(campaign: Campaign, folder: Path = HERE) -> list[Cracked]:
+    """The walls whose crack is known."""
+    file = read_yaml(folder / campaign.file)
+    return [
+        Cracked.of(name, with_changes(file, campaign.kinds[tested.kind]), tested.crack)
+        for name, tested in campaign.specimens.items()
+        if tested.crack
+    ]
 
 
 def rows(name: str, campaign: Campaign, found: Mapping[str, Computed]) -> Iterable[dict[str, Any]]:
@@ -239,7 +252,22 @@ def sources(_: Path) -> str:
     )
 
 
-BLOCKS = {"walls-measured": in_markdown, "walls-short": in_short, "walls-sources": sources}
+def in_cracks(results: Path) -> str:
+    """The cracks for a page: a row for each wall, measured and computed."""
+    lines = []
+    for specimen, part in table_in(results, CRACKS).groupby("specimen", sort=False):
+        for what, column in (("crack", "crack_m"), ("computed", "computed_m")):
+            lines.append([str(specimen), what, *(f"{value:.2f}" for value in part[column])])
+    most = max(len(line) for line in lines) - 2
+    return markdown(["wall", "m from the toe", *(f"course {k + 1}" for k in range(most))], lines)
+
+
+BLOCKS = {
+    "walls-cracks": in_cracks,
+    "walls-measured": in_markdown,
+    "walls-short": in_short,
+    "walls-sources": sources,
+}
 
 
 def results_folder(words: str | None) -> Path:
@@ -270,8 +298,12 @@ def main() -> None:
     compared(table).savefig(to / "figures/measured.png", dpi=150, metadata={"Software": None})
     curves = pd.read_csv(HERE / "curves.csv")
     followed(curves, every).savefig(to / "figures/curves.png", dpi=150, metadata={"Software": None})
+    walls = [wall for campaign, _ in every.values() for wall in cracked(campaign)]
+    table = pd.DataFrame([row for wall in walls for row in wall.rows])
+    write_table(CRACKS, table, to / "tables/cracks.csv")
+    cracks_figure(walls).savefig(to / "figures/cracks.png", dpi=150, metadata={"Software": None})
     print(in_short(to))
-    print(f"Table: {to}/tables/walls.csv; figures: {to}/figures")
+    print(f"Tables: {to}/tables; figures: {to}/figures")
 
 
 if __name__ == "__main__":
