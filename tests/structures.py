@@ -143,3 +143,28 @@ FILES = {
     "trilith": example("trilith"),
     "dry wall": study("wall/wall"),
 }
+FALLS = {"pressure": {"side": [-1, 0, 0], "pascals": 4e4}}
+DEMANDED = {
+    "bonds": with_changes(example("trilith"), {"load": {"newtons": "4kN"}}),
+    "wall": example("retaining"),
+    "arch": {  # a bond fails before the load is raised
+        **study("arch/arch"),
+        "interfaces": {"cohesion": "20kPa", "tensile_strength": "10kPa"},
+        "load": {**PUSH, "newtons": "1kN"},
+    },
+    "locks": with_changes(condensed_keys(), {"load": {"newtons": 100}}),
+    "crushed": {
+        **CUBE,
+        "interfaces": {"friction": 0.7, "compressive_strength": "50kPa"},
+        "load": {**PUSH, "over_weight": 0.45},
+    },
+    "cases": {
+        **CUBE,
+        "permanent": [{"surcharge": {"pascals": 1e3}}],
+        "load_cases": {
+            "wind, full": {**PUSH, "newtons": 2e4},
+            "crowd": {**DOWN, "newtons": "1kN"},
+            "flood": {**PUSH, "newtons": 1, "permanent": [FALLS]},
+        },
+    },
+}

@@ -230,6 +230,11 @@ class FileSection(Keys):
         """M per unit of the file, if it is given."""
         return self.scale if self.unit is None else metres(self.unit)
 
+    @property
+    def assumes_density(self) -> bool:
+        """Whether blocks have the default density because nothing says another."""
+        return "density" not in self.model_fields_set and not self.file.lower().endswith(".json")
+
     def blocks(self, name: str, folder: Path) -> list[Block]:
         """The blocks, whose names begin with ``name``; ValueError."""
         try:

@@ -256,11 +256,13 @@ def with_bodies(description: Any, folder: Path) -> Any:
         if not isinstance(value, dict) or "file" not in value:
             blocks[name] = value
             continue
-        for block in FileSection.read(value, "blocks", name).blocks(str(name), folder):
+        section = FileSection.read(value, "blocks", name)
+        assumed = section.assumes_density  # which is said of the description, too
+        for block in section.blocks(str(name), folder):
             blocks[block.name] = {
                 "vertices": [list(vertex) for vertex in block.vertices],
                 "faces": [list(face) for face in block.faces],
-                "density": block.density,
+                **({} if assumed else {"density": block.density}),
                 "fixed": block.fixed,
                 **({} if block.material is None else {"material": block.material}),
             }

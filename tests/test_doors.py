@@ -1,0 +1,185 @@
+"""One question has one answer, whatever door it came through: twelve files at all of them.
+
+The command's table, JSON, CSV, page and note; Python; a study's tables, summary and report; a file
+that the explorer opens.
+"""
+
+import base64
+import csv
+import html
+import io
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+from command_runner import run
+from structures import CUBE, DEMANDED, PUSH, solved, study
+
+import sidmacib
+from analysis.explore.structures import SentFile, opened_files
+from analysis.report import finding
+from analysis.report.structures import structures_verdict
+from analysis.summary.structures import summary, verdict_lines
+from analysis.tables.structures import structures_table, verdicts_table
+from sidmacib.answers.verdict import governing, on_all
+from workflow.configuration import load_configuration
+from workflow.schema import with_changes
+
+BOX = """o base
+v -1 -1 -0.5
+v 2 -1 -0.5
+v 2 2 -0.5
+v -1 2 -0.5
+v -1 -1 0
+v 2 -1 0
+v 2 2 0
+v -1 2 0
+f 1 4 3 2
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+o cube
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1.5
+v 1 0 1.5
+v 1 1 1.5
+v 0 1 1.5
+f 9 12 11 10
+f 13 14 15 16
+f 9 10 14 13
+f 10 11 15 14
+f 11 12 16 15
+f 12 9 13 16
+"""
+WITHOUT_ENGINES = {"models": ["static", "limit"], "dem": {"engines": []}}
+MORTAR = {"cohesion": "1kPa", "tensile_strength": "1kPa"}
+ARCH = with_changes(study("arch/arch"), {"load": {"newtons": "2kN"}})
+ASKED: dict[str, dict[str, Any]] = {
+    **DEMANDED,
+    "mortar": {
+        **CUBE,
+        "interfaces": {"friction": 0.6, **MORTAR},
+        "load": {**PUSH, "newtons": "5kN"},
+    },
+    "tower on soft ground": {
+        "blocks": {
+            "base": {"low": [-1, -1, -1], "high": [1, 1, 0], "fixed": True},
+            "tower": {"low": [-0.2, -0.2, 0], "high": [0.2, 0.2, 4]},
+        },
+        "interfaces": {"friction": 0.6, "normal_stiffness": 1e9, "shear_stiffness": 1e9},
+        "load": {**PUSH, "newtons": 900},
+    },
+    "arch": ARCH,
+    "mesh": {
+        "blocks": {"part": {"file": "box.obj", "unit": "m", "fixed": ["base"]}},
+        "interfaces": {"friction": 0.7},
+        "load": {**PUSH, "over_weight": 0.6},
+    },
+    "tilt": {**CUBE, "load": {"tilt": {"axis": [0, 1, 0]}}},
+    "without a demand": {**CUBE, "load": PUSH},
+}
+
+
+def in_words(text: str) -> str:
+    """What a page or a note says, without its tags."""
+    return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", text)))
+
+
+SLOW = "bonds"  # is solved on three meshes at each door
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(each, marks=[pytest.mark.study] if each == SLOW else []) for each in ASKED],
+)
+def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
+    folder = tmp_path / "a folder"
+    folder.mkdir()
+    (folder / "box.obj").write_text(BOX)
+    path = folder / "it.yaml"
+    path.write_text(yaml.safe_dump(ASKED[name], sort_keys=False))
+
+    printed = run("assembly", str(path))
+    told = json.loads(run("assembly", str(path), "--format", "json").stdout)
+    rows = {row.get("model"): row for row in told["rows"]}
+    said = told.get("answer")
+    if said is not None:
+        assert printed.stdout.splitlines()[0] == said
+        assert printed.exit_code == (0 if told["verdict"] == "yes" else 1)
+    table = csv.DictReader(io.StringIO(run("assembly", str(path), "--format", "csv").stdout))
+    for row, same in zip(table, told["rows"], strict=True):
+        assert (row.get("answer") or None) == said
+        for key, value in same.items():
+            assert row[key] == ("" if value is None else str(value))
+
+    asked = sidmacib.ask(path)
+    names = list(ASKED[name].get("load_cases", asked))
+    verdicts = [asked[each].verdict for each in names]
+    if said is not None:
+        assert str(on_all(names, verdicts) if len(verdicts) > 1 else verdicts[0]) == said
+        assert next(iter(asked)) == names[governing(verdicts)]
+
+    config = folder / "study.yaml"
+    config.write_text(json.dumps({"structures": {"it": {"file": "it.yaml"}}, **WITHOUT_ENGINES}))
+    records = solved(tmp_path / "study", **load_configuration(config, {}))
+    of_study, found = structures_table(records), verdicts_table(records)
+    if said is not None:
+        assert [words for _, words, _ in verdict_lines(found)] == [said]
+        assert f"it: {said}\n" in summary("results", of_study, None, found)
+        kind = "good" if told["verdict"] == "yes" else "bad"
+        assert structures_verdict(of_study, found)[0] == finding("it", f"{said}.", kind)
+        governs = found[found["governs"]].iloc[0]
+        assert governs["decides"] == told["decides"] or not told["decides"]
+        factor = told["deciding_factor"]
+        expected = math.nan if factor is None else factor
+        assert governs["factor"] == pytest.approx(expected, nan_ok=True)
+    assert set(of_study["input_notes"].dropna()) == {"; ".join(told["notes"])} - {""}
+    for row in of_study.to_dict("records"):
+        if row["model"] in rows and len(asked) == 1:
+            same_answer(row, rows[row["model"]])
+
+    for option in ("--report", "--note"):
+        page = tmp_path / f"page{option}.html"
+        run("assembly", str(path), option, str(page))
+        text = in_words(page.read_text())
+        assert said is None or in_words(said) in text
+        for line in told["notes"]:
+            assert in_words(line) in text
+
+    (opened,) = opened_files([sent(each) for each in (path, folder / "box.obj")])
+    answer = opened.answer
+    if said is not None and len(asked) == 1:
+        assert answer.views.answer.startswith(said)
+    if len(asked) == 1:
+        assert [row["model"] for row in answer.rows] == [row["model"] for row in told["rows"]]
+        for row, same in zip(answer.rows, told["rows"], strict=True):
+            assert row["note"] == same["note"]
+
+
+def same_answer(of_study: dict[str, Any], row: dict[str, Any]) -> None:
+    """The load or tilt of a model in a study's table, and what is said of it, as printed."""
+    for key, name in (("load_N", "load_N"), ("tilt_degrees", "tilt_degrees")):
+        if row.get(name) is not None:
+            assert of_study[key] == pytest.approx(row[name], rel=1e-6)
+    if pd.notna(of_study["note"]):
+        assert row["note"] == of_study["note"]
+    elif pd.notna(of_study["refused"]):
+        assert row["note"] in of_study["refused"]
+    else:
+        assert of_study["because"] in row["note"]
+        assert of_study["mode"] in row["note"]
+
+
+def sent(path: Path) -> SentFile:
+    """A file as a browser sends it to the explorer."""
+    return SentFile(name=path.name, data=base64.b64encode(path.read_bytes()))
