@@ -334,6 +334,7 @@ def choice(kind: type[Choice], value: Any) -> Choice:
 # Far beyond any lock of stone, concrete or timber, and any printed model; friction is 0.5 to 1.
 Count = Annotated[int, Number(at_least=1, whole=True)]
 Length = Annotated[float, Number(above=0, unit="m", likely=(1e-3, 10.0))]
+Newtons = Annotated[float, Number(above=0, unit="N")]
 Density = Annotated[float, Number(at_least=0, unit="kg/m3", likely=(10.0, 3e4))]
 Stiffness = Annotated[float, Number(above=0, unit="Pa/m", likely=(1e6, 1e15))]
 Modulus = Annotated[float, Number(above=0, unit="Pa", likely=(1e6, 1e13))]

@@ -91,10 +91,15 @@ _Component = Annotated[float, Number(at_least=-LARGE, at_most=LARGE)]
 _Coordinate = Annotated[float, Number(at_least=-LARGE, at_most=LARGE, unit="m")]
 
 
-def _three(value: Any) -> Any:
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise ValueError(f"{shown(value)} is not allowed; it must be a list of three numbers")
-    return value
+def _listed(count: int, words: str) -> Any:
+    """Annotations of a list of as many numbers, in ``words``."""
+
+    def checked(value: Any) -> Any:
+        if not isinstance(value, list | tuple) or len(value) != count:
+            raise ValueError(f"{shown(value)} is not allowed; it must be {words}")
+        return value
+
+    return BeforeValidator(checked), Field(json_schema_extra={"allowed": words})
 
 
 def _way(value: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -103,10 +108,8 @@ def _way(value: tuple[float, float, float]) -> tuple[float, float, float]:
     return value
 
 
-_THREE: Any = (
-    BeforeValidator(_three),
-    Field(json_schema_extra={"allowed": "a list of three numbers"}),
-)
+_THREE = _listed(3, "a list of three numbers")
+PlanPoint = Annotated[tuple[_Coordinate, _Coordinate], *_listed(2, "a list of x and y")]  # m
 Vector = Annotated[tuple[_Coordinate, _Coordinate, _Coordinate], *_THREE]  # m
 Way = Annotated[tuple[_Component, _Component, _Component], *_THREE, AfterValidator(_way)]
 

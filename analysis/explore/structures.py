@@ -21,7 +21,7 @@ from sidmacib.answers.ask import Solved, limit_of, static_of
 from sidmacib.answers.said import Limit, Static
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
-from sidmacib.command.assembly import case_rows
+from sidmacib.command.cases import case_rows
 from sidmacib.command.output import cell
 from sidmacib.command.structure_views import Views
 from sidmacib.command.structures import structure_rows

@@ -24,6 +24,7 @@ from sidmacib.mechanics.solution import Mode
 from sidmacib.quantities import four_digits
 
 BY_LIMIT = "limit analysis"
+MOST_CASES = 3  # that are named
 FOLLOWED_UNTIL: dict[str | None, str] = {  # where a path ends at which nothing has failed, by mode
     Mode.PRESSED: "joints are pressed in by a tenth of the blocks",
     Mode.TURNED: "a block has turned by 0.05 rad",
@@ -174,7 +175,8 @@ def on_all(names: Sequence[str], verdicts: Sequence[Verdict]) -> Verdict:
     carried = f"all {len(names)} cases"
     if lost:
         ends = "left open" if left_open else "not carried"
-        carried = f"{', '.join(lost)} {'is' if len(lost) == 1 else 'are'} {ends}"
+        which = ", ".join(lost) if len(lost) <= MOST_CASES else f"{len(lost)} of {len(names)} cases"
+        carried = f"{which} {'is' if len(lost) == 1 else 'are'} {ends}"
     words = f"{carried}; {names[first]} governs: {verdicts[first].words}"
     return replace(verdicts[first], passes=not lost, open=left_open, words=words)
 

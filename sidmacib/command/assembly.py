@@ -6,15 +6,16 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sidmacib.answers.ask import Solved, limit_of, static_of
 from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.answers.structure_paths import LOWER
-from sidmacib.answers.verdict import Verdict, governing, lower_first, on_all
+from sidmacib.answers.verdict import lower_first
 from sidmacib.command.answers import Row
+from sidmacib.command.cases import case_rows, factor_picture
 from sidmacib.command.in_time import (
     collapse_row,
     drift_picture,
@@ -54,6 +55,9 @@ from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
 from sidmacib.structure.shaking import TimeLoads
 from sidmacib.structure.structure import with_dry_joints
 from sidmacib.validation import refused
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 OF_LOADS = "interfaces", "compas", "capacity_curve", "note"
 ALONG_X: Vector = (1.0, 0.0, 0.0)
@@ -101,12 +105,21 @@ class Wanted:
         """Whether a page, a picture or a note is asked for."""
         return any(path is not None for path in (self.report, self.still, self.note))
 
-    def draw(self, rows: Sequence[Row], solved: Solved, verdict: str) -> None:
-        """Write the page, the picture and the note that are asked for."""
+    def draw(
+        self,
+        rows: Sequence[Row],
+        solved: Solved,
+        verdict: str,
+        curve: "Figure | None" = None,
+    ) -> None:
+        """Write the page, the picture and the note that are asked for.
+
+        ``curve``: of a factor over positions, which is drawn in place of the structure.
+        """
         from sidmacib.command.structure_views import Views, structure_note
         from sidmacib.scene.page import page
 
-        views = Views.of(self.file, self.description, solved, self.notes, verdict)
+        views = Views.of(self.file, self.description, solved, self.notes, verdict, curve)
         command = shlex.join(["multilock", *sys.argv[1:]])
         if self.report is not None:
             write_text(page(*views.content(rows, command)), self.report, "--report")
@@ -114,7 +127,7 @@ class Wanted:
             from sidmacib.scene.picture import picture
 
             title = f"{views.title}: {views.answer}"
-            draw(picture(views.models[0], views.shape, title), self.still)
+            draw(curve or picture(views.models[0], views.shape, title), self.still)
         if self.note is not None:
             write_text(structure_note(views, rows, command), self.note, "--note")
 
@@ -170,11 +183,13 @@ def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
     """The verdict on all load cases; the one that governs is drawn and noted."""
     others = "interfaces", "compas", "capacity_curve"
     wanted.refuse("needs --case, as the file has load_cases", *others)
-    rows, found, governs = case_rows(demands)
+    with status_line() as progress:
+        rows, found, governs = case_rows(demands, progress)
     say(str(found), wanted.form)
     wanted.show(rows, **found.told)
     if wanted.draws:
-        wanted.draw(rows, governs, str(found))
+        curve = factor_picture(wanted.file.stem, demands, rows)
+        wanted.draw(rows, governs, str(found), curve)
     return found.passes
 
 
@@ -278,31 +293,6 @@ def _load_passes(wanted: Wanted, demand: Demand) -> bool:
     if verdict is None:
         require_answer(shown)
     return verdict is None or verdict.passes
-
-
-def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], Verdict, Solved]:
-    """One row for each load case, the verdict on all of them, and the case that governs."""
-    solved = [Solved.of(demand) for demand in demands]
-    found = [each.verdict for each in solved if each.verdict is not None]
-    names = [str(demand.case) for demand in demands]
-    first = governing(found)
-    rows: list[Row] = [
-        {
-            "case": name,
-            "required (N)": each.newtons,
-            "carried": "yes" if each.passes else "no",
-            "factor": each.factor,
-            "to first failure": each.first,
-            "to peak": each.peak,
-            "to limit": each.limit,
-            "decides": each.decides,
-            "mesh error / load": answer.of_static.mesh_error,
-            "governs": "yes" if each is found[first] else "",
-            "note": each.note or each.words,
-        }
-        for name, answer, each in zip(names, solved, found, strict=True)
-    ]
-    return rows, on_all(names, found), solved[first]
 
 
 def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:

@@ -122,7 +122,7 @@ def time_page(
     }
     said = in_asked_words(answer.words)
     words = page_words(said, f"{problem.loads.words}.", notes, rows)
-    more = {"title": title, "command": command, "validated": VALIDATED}
+    more = {"title": title, "command": command, "validated": VALIDATED, "curve": ""}
     return page({"structures": [structure]}, {**words, **more})
 
 

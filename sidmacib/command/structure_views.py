@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
@@ -28,6 +28,9 @@ from sidmacib.scene.page import rendered
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.loads import free_weight
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 TEMPLATE = Path(__file__).with_name("structure_note.html.j2")
 MOST_ROWS = 8  # of a table of blocks, reactions or interfaces, for two pages
 WIDTH = 5.0  # inches, of the picture
@@ -43,7 +46,7 @@ class Views:
     """What is drawn of a structure: its ``title``, ``answer`` in words, ``notes``, and ``models``.
 
     ``models``: the one that answers first; ``shape``: by `shape_of`; ``given``: the loads as in the
-    structure's file.
+    structure's file; ``curve``: of the factor over the positions of a vehicle, as SVG, or nothing.
     """
 
     title: str
@@ -53,10 +56,17 @@ class Views:
     models: Sequence[Drawn]
     shape: Mapping[str, Any]
     given: Sequence[tuple[str, str]]
+    curve: str
 
     @classmethod
     def of(
-        cls, file: Path, description: Any, solved: Solved, notes: Sequence[str], verdict: str = ""
+        cls,
+        file: Path,
+        description: Any,
+        solved: Solved,
+        notes: Sequence[str],
+        verdict: str = "",
+        curve: "Figure | None" = None,
     ) -> "Views":
         """From what the models answer; ``verdict``: on a load to be carried, if there is one."""
         problem, static = solved.demand.problem, solved.static
@@ -80,7 +90,14 @@ class Views:
         shape = shape_of(problem.assembly, with_condensed_locks(description, file.parent))
         words = " ".join(f"{each[0].upper()}{each[1:]}." for each in (verdict, answer) if each)
         return cls(
-            file.stem, problem, in_asked_words(words), notes, models, shape, _given(description)
+            title=file.stem,
+            problem=problem,
+            answer=in_asked_words(words),
+            notes=notes,
+            models=models,
+            shape=shape,
+            given=_given(description),
+            curve="" if curve is None else _svg(curve),
         )
 
     @property
@@ -103,7 +120,8 @@ class Views:
             "models": [{"name": MODELS[each.model].label, **each.values()} for each in self.models],
         }
         words = page_words(self.answer, self.about, self.notes, rows)
-        return {"structures": [structure]}, {**words, "title": self.title, "command": command}
+        more = {"title": self.title, "command": command, "curve": self.curve}
+        return {"structures": [structure]}, {**words, **more}
 
 
 def page_words(
@@ -155,8 +173,6 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
     from sidmacib.scene.picture import picture
 
     drawn, assembly = views.models[0], views.problem.assembly
-    svg = io.StringIO()
-    write_figure(picture(drawn, views.shape, "", WIDTH), svg)
     forces_of = "no model has an answer"
     if drawn.load is not None:
         forces_of = f"{MODELS[drawn.model].label}; {in_asked_words(drawn.load_words)}"
@@ -168,7 +184,8 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
         title=f"Calculation note: structure {views.title}",
         views=views,
         drawn=drawn,
-        drawing=svg.getvalue()[svg.getvalue().index("<svg") :],
+        curve=views.curve,
+        drawing=_svg(picture(drawn, views.shape, "", WIDTH)),
         blocks=[*_blocks(assembly.pieces[:MOST_ROWS])],
         more_blocks=len(assembly.pieces) - MOST_ROWS,
         laws=laws,
@@ -184,6 +201,13 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
         load=in_asked_words(load_of(views.problem)),
         command=command,
     )
+
+
+def _svg(figure: "Figure") -> str:
+    """The element of a ``figure`` for a page."""
+    svg = io.StringIO()
+    write_figure(figure, svg)
+    return svg.getvalue()[svg.getvalue().index("<svg") :]
 
 
 def _blocks(pieces: Iterable[Piece]) -> Iterator[Cells]:

@@ -57,10 +57,16 @@ def load_of(problem: Problem) -> str:
     if not loaded:
         return f"No load is raised{beside}"
     along = _listed(np.sum([each["force"] for each in loaded], axis=0).tolist())
-    if len(loaded) == 1 and loaded[0]["point"]:
-        at = _listed(loaded[0]["at"])
-        return f"Load raised: a force on {loaded[0]['block']} at {at} m, along {along}{beside}"
-    return f"Load raised: forces in proportion to the masses, along {along}{beside}"
+    if not loaded[0]["point"]:
+        return f"Load raised: forces in proportion to the masses, along {along}{beside}"
+    shares = [f" ({math.hypot(*each['force']):.3g} of it)" for each in loaded]
+    if len(shares) == 1:
+        shares = [""]
+    on = " and on ".join(
+        f"{each['block']} at {_listed(each['at'])} m{share}"
+        for each, share in zip(loaded, shares, strict=True)
+    )
+    return f"Load raised: a force on {on}, along {along}{beside}"
 
 
 def _listed(vector: Sequence[float]) -> str:

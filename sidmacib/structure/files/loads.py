@@ -9,10 +9,11 @@ from pydantic import BeforeValidator, model_validator
 
 from sidmacib.joint.parameters import beyond
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
-from sidmacib.quantities import Density, Number, Span
+from sidmacib.quantities import Density, Newtons, Number, Span
 from sidmacib.reading import Keys, Some, Text, Vector, Way
 from sidmacib.structure.analysis.tilt import LEVEL, tilting
 from sidmacib.structure.blocks import Block
+from sidmacib.structure.files.vehicle import MOVING, VehicleSection
 from sidmacib.structure.interfaces import NEAR
 from sidmacib.structure.loads import (
     Permanent,
@@ -25,7 +26,6 @@ from sidmacib.structure.loads import (
 from sidmacib.structure.pressures import pressing
 from sidmacib.validation import refused
 
-Newtons = Annotated[float, Number(above=0, unit="N")]
 _Level = Annotated[float, Number(unit="m")]
 _Within = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
 _Range = Annotated[tuple[float, float], Span(Number(unit="m"))]
@@ -266,6 +266,8 @@ class _Raised(_Pushed):
     """gravity that turns"""
     support: SupportSection | None = None
     """a support that moves; for `multilock assembly` and studies"""
+    vehicle: VehicleSection | None = None
+    """axles that move over the blocks; for `multilock assembly`"""
 
 
 class _Amount(Keys):
@@ -286,22 +288,24 @@ class _Amount(Keys):
 
 
 class LoadSection(_Amount, _Raised):
-    """Permanent loads always act. One load is raised, gravity turns, or a support moves."""
+    """Permanent loads always act. One load is raised, gravity turns, or something moves."""
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
         amounts = self.model_fields_set & {"newtons", "over_weight"}
         if len(self.model_fields_set - amounts) != 1:
-            raise ValueError("must have one key, acceleration, force, tilt or support")
+            raise ValueError("must have one key, acceleration, force, tilt, support or vehicle")
         if len(amounts) == 2:
             raise ValueError("must have either newtons or over_weight")
-        moves = self.model_fields_set & {"tilt", "support"}
+        moves = self.model_fields_set & {"tilt", "support", "vehicle"}
         if amounts and moves:
             raise ValueError(f"{amounts.pop()}: must not be given beside {moves.pop()}")
         return self
 
     def on(self, assembly: Assembly, beside: Permanent | None, key: str = "load") -> Loads:
-        """As of a load case; or gravity turns, or a support moves."""
+        """As of a load case; or gravity turns, or a support moves. ValueError of a vehicle."""
+        if self.vehicle:
+            raise ValueError(f"{key}.{MOVING}")
         if self.tilt:
             return tilting(assembly, self.tilt.axis, beside)
         if not (moves := self.support):
@@ -319,6 +323,10 @@ class CaseSection(_Amount, _Pushed):
 
     @model_validator(mode="after")
     def _has_one_of_each(self) -> Self:
+        if "vehicle" in self.model_fields_set:
+            if others := self.model_fields_set - {"vehicle", "permanent"}:
+                raise ValueError(f"{min(others)}: must not be given beside vehicle")
+            return self
         for one, other in (("acceleration", "force"), ("newtons", "over_weight")):
             if (getattr(self, one) is None) == (getattr(self, other) is None):
                 raise ValueError(f"must have either {one} or {other}")
@@ -328,6 +336,8 @@ class CaseSection(_Amount, _Pushed):
 class LoadCaseSection(CaseSection):
     """A load case with permanent loads of its own, beside those of all cases."""
 
+    vehicle: VehicleSection | None = None
+    """axles that move over the blocks, in place of a direction or a force; one case a position"""
     permanent: tuple[PermanentSection, ...] = ()
     """as under `permanent` of the file"""
 

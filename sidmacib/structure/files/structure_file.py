@@ -1,7 +1,7 @@
 """A structure and its load from a YAML file; every fault in one line that names the key."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.block_files import SUFFIXES, FileSection
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.loads import (
+    LoadCaseSection,
     LoadSection,
     PermanentSection,
     load_warnings,
@@ -24,11 +25,13 @@ from sidmacib.structure.files.sections import (
 )
 from sidmacib.structure.files.selection import chosen_pairs
 from sidmacib.structure.files.time_loads import TimeSection
+from sidmacib.structure.files.vehicle import MOVING
 from sidmacib.structure.interfaces import NEAR, Interface, in_order, interfaces, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.shaking import IN_TIME
 from sidmacib.structure.structure import Pair, rows_of, structure
+from sidmacib.structure.vehicle import Position
 from sidmacib.structure.warnings import structure_warnings
 from sidmacib.yaml_text import read_yaml
 
@@ -83,6 +86,8 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     if given.load is None:
         words = "; load_cases are for multilock assembly and studies" if given.load_cases else ""
         raise ValueError(f"load: missing; this key is required{words}")
+    if isinstance(given.load, LoadSection) and given.load.vehicle:
+        raise ValueError(f"load.{MOVING}")
     (demand,) = demands_of(given, folder)
     return demand.problem
 
@@ -92,19 +97,20 @@ class Demand:
     """A structure under a load, and how much of it (N) is to be carried, if the file says.
 
     ``case``: the name of the load case, if it is one of several. ``raises``: whether there is a
-    load to be raised, and not only permanent ones.
+    load to be raised, and not only permanent ones. ``position``: of a vehicle that moves.
     """
 
     problem: Problem
     newtons: float | None = None
     case: str | None = None
     raises: bool = True
+    position: Position | None = None
 
 
 def demands_of(
     description: Any, folder: Path = Path(), *, in_time: bool = False
 ) -> tuple[Demand, ...]:
-    """What a ``description`` demands: of its load, of each load case, or of none.
+    """What a ``description`` demands: of its load, of each load case and position, or of none.
 
     Arguments and errors as of `structure_of`, but for a load that is missing. ``in_time``: whether
     loads may act in time, which else are an error.
@@ -119,17 +125,32 @@ def demands_of(
             raise ValueError(IN_TIME)
         return (Demand(Problem(assembly, given.load.on(assembly, always, folder))),)
     if given.load is not None:
-        problem = Problem(assembly, given.load.on(assembly, always))
-        return (Demand(problem, given.load.amount(assembly)),)
+        return tuple(_demands(assembly, given.load, always, "load"))
     if given.load_cases is None:
         return (Demand(Problem(assembly, permanent_only(assembly, always)), raises=False),)
-    found = []
+    found: list[Demand] = []
     for name, case in given.load_cases.items():
         key = f"load_cases.{name}"
         own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent")
-        loads = case.on(assembly, always + own, key)
-        found.append(Demand(Problem(assembly, loads), case.amount(assembly), name))
+        found += _demands(assembly, case, always + own, key, name)
     return tuple(found)
+
+
+def _demands(
+    assembly: Assembly,
+    load: LoadSection | LoadCaseSection,
+    beside: Permanent,
+    key: str,
+    case: str | None = None,
+) -> Iterator[Demand]:
+    """What a ``load`` demands, which is called ``case`` if it is one: of a vehicle one each."""
+    if load.vehicle is None:
+        problem = Problem(assembly, load.on(assembly, beside, key))
+        yield Demand(problem, load.amount(assembly), case)
+        return
+    for position, loads, newtons in load.vehicle.on(assembly, beside, key):
+        name = ", ".join([*([case] if case else []), str(position)])
+        yield Demand(Problem(assembly, loads), newtons, name, position=position)
 
 
 def notes_on(description: Any, assembly: Assembly) -> list[str]:

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import BeforeValidator, FiniteFloat, model_validator
 
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.quantities import Number, Part, one_of
+from sidmacib.quantities import Newtons, Number, Part, one_of
 from sidmacib.reading import Keys, Some, Text, Way
-from sidmacib.structure.files.loads import ForceSection, Newtons
+from sidmacib.structure.files.loads import ForceSection
 from sidmacib.structure.loads import Permanent, numbered, permanent_force, permanent_only
 from sidmacib.structure.shaking import (
     UNITS,
