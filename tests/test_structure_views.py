@@ -13,7 +13,7 @@ from conftest import ROOT
 from structures import PUSH, study
 from test_supports import BEAM
 
-from sidmacib.models import structure_limit
+from sidmacib.models import structure_limit, structure_static
 from sidmacib.problem import Problem
 from sidmacib.scene.drawn import Drawn, shape_of, with_condensed_locks
 from sidmacib.scene.forces import arrows_of, chains, load_of, total
@@ -64,6 +64,19 @@ def test_reactions_balance_the_weight_and_the_load(arch: Drawn) -> None:
     loads = arch.problem.loads.at(arch.load or 0.0)[:, :3].sum(axis=0)
     assert [each.support for each in arch.reactions] == ["left", "right"]
     assert np.array(total(arch.reactions)) == pytest.approx(-loads, abs=1e-6 * np.abs(loads).max())
+
+
+def test_reactions_balance_the_loads_in_the_frames_of_blocks_that_have_turned() -> None:
+    """Supports that the file has last are above their interfaces, whose frames then turn."""
+    blocks = {**ARCH["blocks"]}
+    blocks |= {name: blocks.pop(name) for name in ("left", "right")}
+    problem = structure_of({**ARCH, "blocks": blocks})
+    static = Drawn("static", problem, structure_static.solve(problem))
+    assert static.load and max(abs(row.move[4]) for row in static.blocks if row.move) > 1e-3
+    loads = problem.loads.at(static.load)[:, :3].sum(axis=0)
+    assert np.array(total(static.reactions)) == pytest.approx(
+        -loads, abs=1e-6 * np.abs(loads).max()
+    )
 
 
 def test_a_stack_has_a_thrust_line_and_what_branches_has_none() -> None:

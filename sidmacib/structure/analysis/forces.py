@@ -6,19 +6,21 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.polygons import hull_sides
-from sidmacib.problem import Outcome
+from sidmacib.problem import AT_THE_LOAD, Outcome
 from sidmacib.quantities import clean, rounded
 
 ROUNDING = 1e-9  # of the largest node force: nodes below carry nothing
 LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhere
 HINGE = 0.93  # eccentricity over the distance to the edge: a tenth of the depth is pressed, or less
 SLIDES, CRUSHED = 0.99, 1.0 - 1e-4  # of what friction and the blocks' strength allow
+ALONG = "force_x_N", "force_y_N", "force_z_N"
 NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in drawings
 
 
@@ -182,6 +184,9 @@ def interfaces_of(assembly: Assembly, outcome: Outcome) -> tuple[InterfaceRow, .
     force, bonded, peak = outcome.state.force, outcome.state.bonded, outcome.path[-1].load
     if force is None:
         return ()
+    motion = outcome.motion if outcome.motion_kind == AT_THE_LOAD else outcome.state.motion
+    turned = np.zeros((len(assembly.pieces), 3)) if motion is None else motion[:, 3:]
+    turns = Rotation.from_rotvec(turned)
     state = None if bonded is None else NodeState.initial(bonded)
     failing = {face: load / peak for face, load in outcome.broken_at.items()}
     size = float(np.abs(force).max(initial=0.0))
@@ -189,6 +194,9 @@ def interfaces_of(assembly: Assembly, outcome: Outcome) -> tuple[InterfaceRow, .
     rows = []
     for number, row in enumerate(interface_forces(assembly, force, state)):
         numbers = {name: value for name, value in vars(row).items() if name not in OF_LAW}
+        # Frames turn with the pieces below, see `sidmacib.mechanics.equilibrium.unbalanced_forces`.
+        along = turns[assembly.faces[number].below].apply([numbers[name] for name in ALONG])
+        numbers |= zip(ALONG, along.tolist(), strict=True)
         if assembly.faces[number].kind is Kind.LOCKED or not math.isfinite(row.utilisation or 0.0):
             numbers["utilisation"] = None  # no strength in shear along locks, or none at all
         for name, value in numbers.items():
