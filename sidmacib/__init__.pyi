@@ -62,3 +62,4 @@ from .structure.analysis.supports import greatest_reaction as greatest_reaction
 from .structure.analysis.supports import least_reaction as least_reaction
 from .structure.analysis.supports import support_path as support_path
 from .structure.analysis.vertices import vertex_effects as vertex_effects
+from .structure.partial_factors import PartialFactors as PartialFactors

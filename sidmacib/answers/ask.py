@@ -18,6 +18,7 @@ from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.limit import LimitTilt, limit_or_tilt
 from sidmacib.structure.files.structure_file import Demand, demands_of, description_in
 from sidmacib.structure.loads import SupportMotion, free_weight, naming_permanent
+from sidmacib.structure.partial_factors import NO_FACTORS, PartialFactors
 
 Tell = Callable[[str], object]
 
@@ -102,15 +103,23 @@ class Solved:
         """On the load that is to be carried; None unless the demand says how much that is."""
         if self.demand.newtons is None:
             return None
-        return verdict(self.demand.newtons, self.of_static, self.of_limit)
+        found = verdict(self.demand.newtons, self.of_static, self.of_limit)
+        if not (factors := self.demand.factors):
+            return found
+        return replace(found, note="; ".join(filter(None, (found.note, f"with {factors}"))))
 
 
-def ask(structure: str | Path | Mapping[str, Any], folder: Path = Path()) -> dict[str, Solved]:
+def ask(
+    structure: str | Path | Mapping[str, Any],
+    folder: Path = Path(),
+    factors: PartialFactors = NO_FACTORS,
+) -> dict[str, Solved]:
     """What a structure carries: the answers to each of its load cases, the one that governs first.
 
     ``structure``: its file, or what would stand in it; ``folder``: that paths of meshes start from,
-    by default that of the file. The case of a file with one load is ``load``. ValueError, in one
-    line, for what is at fault; also for a structure without a load or with a support that moves.
+    by default that of the file. The case of a file with one load is ``load``. ``factors``: partial
+    ones. ValueError, in one line, for what is at fault; also for a structure without a load or with
+    a support that moves.
     """
     description: Any = structure
     if isinstance(structure, str | Path):
@@ -120,7 +129,7 @@ def ask(structure: str | Path | Mapping[str, Any], folder: Path = Path()) -> dic
         raise ValueError(
             "load: nothing is raised; multilock assembly answers without a load and for supports"
         )
-    found = {demand.case or "load": Solved.of(demand) for demand in demands}
+    found = {demand.case or "load": Solved.of(demand.factored(factors)) for demand in demands}
     verdicts = [each.verdict for each in found.values()]
     told = [each for each in verdicts if each is not None]
     if len(told) < len(found):

@@ -52,6 +52,7 @@ from sidmacib.structure.analysis.reserve import Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand, demands_of, notes_on
 from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
+from sidmacib.structure.partial_factors import PartialFactors
 from sidmacib.structure.shaking import TimeLoads
 from sidmacib.structure.structure import with_dry_joints
 from sidmacib.validation import refused
@@ -69,8 +70,9 @@ class Wanted:
     """What is asked for of the ``description`` in a ``file``.
 
     ``form``: of the table; ``interfaces``: their forces in place of loads; ``case``: one load case;
-    ``without_load``: the reserve in place of the file's loads; ``engines``: others that are asked
-    where a support moves; and the files to be written. ``notes``: on what looks wrong.
+    ``without_load``: the reserve in place of the file's loads; ``factors``: partial ones;
+    ``engines``: others that are asked where a support moves; and the files to be written.
+    ``notes``: on what looks wrong.
     """
 
     file: Path
@@ -79,6 +81,7 @@ class Wanted:
     interfaces: bool
     case: str | None
     without_load: bool
+    factors: PartialFactors
     compas: Path | None
     capacity_curve: Path | None
     picture: Path | None
@@ -98,6 +101,7 @@ class Wanted:
     def show(self, rows: Sequence[Row], **about: Any) -> None:
         """Print ``rows``; ``about``: what JSON and CSV say beside them and the input."""
         given = {"file": self.file.name, "input": self.description, "notes": list(self.notes)}
+        given |= self.factors.named if self.factors else {}
         click.echo(text_of(rows, self.form, {**about, **given}))
 
     @property
@@ -150,7 +154,8 @@ def passes(wanted: Wanted) -> bool:
             loads = "load", "load_cases"
             description = {key: each for key, each in description.items() if key not in loads}
         wanted = replace(wanted, description=description)
-    demands = demands_of(wanted.description, wanted.file.parent, in_time=True)
+    found = demands_of(wanted.description, wanted.file.parent, in_time=True)
+    demands = [demand.factored(wanted.factors) for demand in found]
     first = demands[0]
     if wanted.engines and not isinstance(first.problem.loads, SupportMotion | TimeLoads):
         raise click.UsageError("--model: is for a support that moves, or ground that does")

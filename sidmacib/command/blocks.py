@@ -20,6 +20,7 @@ from sidmacib.command.options import (
     joint_of,
     joint_options,
     note_option,
+    partial_factor_options,
     quantity,
 )
 from sidmacib.command.output import (
@@ -107,6 +108,7 @@ GAP = Number(at_least=0, unit="m")
     type=click.Choice(("yade",)),
     help="Where a support or the ground moves: ask YADE too.",
 )
+@partial_factor_options
 @note_option
 @format_option
 def assembly(file: Path, **options: Any) -> None:
@@ -131,7 +133,10 @@ def assembly(file: Path, **options: Any) -> None:
         from sidmacib.command.structures import added_keys
         from sidmacib.scene.page import plotly_js
         from sidmacib.structure.files.structure_file import description_in
+        from sidmacib.structure.partial_factors import PartialFactors
 
+        gammas = (options.pop(f"gamma_{symbol}") or 1.0 for symbol in "gqm")
+        factors = PartialFactors(*gammas)
         own = {each.name: options.pop(each.name) for each in fields(Wanted) if each.name in options}
         if own["report"] is not None:  # what is missing is said before the answer is computed
             try:
@@ -143,7 +148,7 @@ def assembly(file: Path, **options: Any) -> None:
             added_keys(**options),
             lambda name: click.echo(f"Note: {name} is not read, as it has blocks itself", err=True),
         )
-        if not passes(Wanted(file=file, description=description, **own)):
+        if not passes(Wanted(file=file, description=description, factors=factors, **own)):
             sys.exit(1)
 
 

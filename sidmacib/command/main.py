@@ -129,7 +129,7 @@ def capacity(
     torque: float,
     models: Sequence[str],
     variation: float | None,
-    factor: float | None,
+    gamma_m: float | None,
     form: str,
     picture: Path | None,
     note: Path | None,
@@ -156,7 +156,7 @@ def capacity(
     """
     from sidmacib.rule.reliability import Reliability
 
-    joint, reliability = joint_of(flags), Reliability(variation or 0.0, factor or 1.0)
+    joint, reliability = joint_of(flags), Reliability(variation or 0.0, gamma_m or 1.0)
     demand = None
     if shear or torque:
         from sidmacib.command.inverse import demand_of
@@ -301,7 +301,7 @@ def inverse(
     price: Sequence[str],
     every: bool,
     variation: float | None,
-    factor: float | None,
+    gamma_m: float | None,
     form: str,
     picture: Path | None,
     note: Path | None,
@@ -320,7 +320,7 @@ def inverse(
         from sidmacib.command import inverse as answers
         from sidmacib.rule.reliability import Reliability
 
-        reliability = Reliability(variation or 0.0, factor or 1.0)
+        reliability = Reliability(variation or 0.0, gamma_m or 1.0)
         demand = answers.demand_of(shear, torque, ratio, reliability)
         values, prices = answers.values_of(vary), answers.prices_of(price)
         if flags["locks"] is not None and (not vary or "locks" in values):

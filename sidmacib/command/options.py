@@ -24,6 +24,7 @@ DEFAULT = Joint(5)
 LONG = {"a": ("--length",), "b": ("--width",), "h": ("--height",), "H": ("--body-height",)}
 GROUP_OF = dict.fromkeys(("locks", *SIZES, "upper_body"), GEOMETRY) | {"hold_down": LOAD}
 SLENDER = 100  # largest size over the shorter side of a lock: the models' cells are about as long
+OF_ACTION, OF_MATERIAL = Number(above=0, at_most=10), Number(at_least=1, at_most=10)
 LOCKS = Number(at_least=1, at_most=300, whole=True)  # the static model of more takes minutes
 
 
@@ -248,14 +249,25 @@ def reliability_options(command: Callable[..., Any]) -> Callable[..., Any]:
         help="Coefficient of variation of the locks' strengths, such as 0.2; cohesion and tensile "
         "strength are then means.  [default: strengths are design values]",
     )
-    factor = click.option(
-        "--gamma-m",
-        "factor",
-        type=quantity(Number(at_least=1, at_most=10)),
-        help="Partial factor for the design resistance. Without --scatter, strengths are "
-        "characteristic values.",
+    words = (
+        "Partial factor for the design resistance. Without --scatter, strengths are characteristic "
+        "values."
     )
-    return scatter(factor(command))
+    return scatter(_gamma("m", words, OF_MATERIAL)(command))
+
+
+def partial_factor_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the partial factors of structures."""
+    permanent = _gamma(
+        "g", "Partial factor on weight and permanent loads, such as 1.35.", OF_ACTION
+    )
+    variable = _gamma("q", "Partial factor on the load to be carried, such as 1.5.", OF_ACTION)
+    material = _gamma("m", "Partial factor that divides friction and strengths.", OF_MATERIAL)
+    return permanent(variable(material(command)))
+
+
+def _gamma(symbol: str, words: str, kind: Number) -> Callable[..., Any]:
+    return click.option(f"--gamma-{symbol}", type=quantity(kind), help=words)
 
 
 def joint_of(given: Mapping[str, Any]) -> Joint:

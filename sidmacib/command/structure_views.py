@@ -27,6 +27,7 @@ from sidmacib.scene.forces import arrows_of, load_of, total
 from sidmacib.scene.page import rendered
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.loads import free_weight
+from sidmacib.structure.partial_factors import PartialFactors
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,7 +47,8 @@ class Views:
     """What is drawn of a structure: its ``title``, ``answer`` in words, ``notes``, and ``models``.
 
     ``models``: the one that answers first; ``shape``: by `shape_of`; ``given``: the loads as in the
-    structure's file; ``curve``: of the factor over the positions of a vehicle, as SVG, or nothing.
+    structure's file; ``curve``: of the factor over the positions of a vehicle, as SVG, or nothing;
+    ``factors``: partial ones that are in all of it.
     """
 
     title: str
@@ -57,6 +59,7 @@ class Views:
     shape: Mapping[str, Any]
     given: Sequence[tuple[str, str]]
     curve: str
+    factors: PartialFactors
 
     @classmethod
     def of(
@@ -98,6 +101,7 @@ class Views:
             shape=shape,
             given=_given(description),
             curve="" if curve is None else _svg(curve),
+            factors=solved.demand.factors,
         )
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Loads, Vector
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import InterfaceRow
-from sidmacib.structure.loads import PointForce, weight_of_free
+from sidmacib.structure.loads import PointForce, beside_of, weight_of_free
 from sidmacib.structure.structure import owners_of
 
 NOTHING = 1e-9  # of the largest force: no arrow
@@ -28,7 +28,7 @@ def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> di
     ``load`` (N), all forces are those under this load, in N.
     """
     weights = weight_of_free(assembly)
-    others, arms = loads.permanent - weights, None
+    others, arms = beside_of(loads).wrenches, None
     if loads.axis is None:
         raised = (1.0 if load is None else load) * loads.variable
         arms = loads.arms if isinstance(loads, PointForce) else None

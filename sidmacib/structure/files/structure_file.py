@@ -29,6 +29,7 @@ from sidmacib.structure.files.vehicle import MOVING
 from sidmacib.structure.interfaces import NEAR, Interface, in_order, interfaces, touching
 from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
+from sidmacib.structure.partial_factors import NO_FACTORS, PartialFactors
 from sidmacib.structure.shaking import IN_TIME
 from sidmacib.structure.structure import Pair, rows_of, structure
 from sidmacib.structure.vehicle import Position
@@ -98,6 +99,7 @@ class Demand:
 
     ``case``: the name of the load case, if it is one of several. ``raises``: whether there is a
     load to be raised, and not only permanent ones. ``position``: of a vehicle that moves.
+    ``factors``: that are in all of this.
     """
 
     problem: Problem
@@ -105,6 +107,21 @@ class Demand:
     case: str | None = None
     raises: bool = True
     position: Position | None = None
+    factors: PartialFactors = NO_FACTORS
+
+    def factored(self, factors: PartialFactors) -> "Demand":
+        """The demand of design values; ValueError where nothing is to be carried."""
+        if not factors:
+            return self
+        if self.newtons is None:
+            name = next(name for name, value in factors.named.items() if value != 1.0)
+            raise ValueError(f"{name}: needs a load that is to be carried: newtons or over_weight")
+        return replace(
+            self,
+            problem=factors.on(self.problem),
+            newtons=factors.gamma_q * self.newtons,
+            factors=factors,
+        )
 
 
 def demands_of(
