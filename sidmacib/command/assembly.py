@@ -98,6 +98,16 @@ class Wanted:
         """The file for a picture of the structure, not of the capacity curve."""
         return self.picture if self.capacity_curve is None else None
 
+    @property
+    def inputs(self) -> list[Path]:
+        """The files that the description is from: the one given, YAML beside it, and meshes."""
+        given = [self.file]
+        if (beside := self.file.with_suffix(".yaml")).is_file():
+            given.append(beside)
+        blocks = self.description["blocks"].values()
+        given += [self.file.parent / each["file"] for each in blocks if "file" in each]
+        return list(dict.fromkeys(given))
+
     def show(self, rows: Sequence[Row], **about: Any) -> None:
         """Print ``rows``; ``about``: what JSON and CSV say beside them and the input."""
         given = {"file": self.file.name, "input": self.description, "notes": list(self.notes)}
@@ -133,7 +143,8 @@ class Wanted:
             title = f"{views.title}: {views.answer}"
             draw(curve or picture(views.models[0], views.shape, title), self.still)
         if self.note is not None:
-            write_text(structure_note(views, rows, command), self.note, "--note")
+            note = structure_note(views, rows, command, self.inputs)
+            write_text(note, self.note, "--note")
 
     def refuse(self, words: str, *names: str) -> None:
         """`click.UsageError` in these ``words`` for the first of these options that is given."""

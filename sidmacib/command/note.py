@@ -7,16 +7,23 @@ same file; whoever signs it writes the date.
 import math
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 
 from sidmacib.answers.joint import joint_answer, joint_mesh_error
-from sidmacib.command.output import in_asked_words, refused_in_one_line, write_text
+from sidmacib.command.output import (
+    Appended,
+    Formula,
+    in_asked_words,
+    refused_in_one_line,
+    write_text,
+)
 from sidmacib.errors import CapacityError
 from sidmacib.joint import AMOUNTS, Direction, Joint
 from sidmacib.joint.loading import Loading, Push
@@ -71,12 +78,15 @@ class Case:
 
 def write_note(case: Case, path: Path) -> None:
     """Write the note of ``case``; what makes it impossible is an error of click."""
+    options = click.get_current_context().params
     with refused_in_one_line():
-        write_text(joint_note(case, shlex.join(["multilock", *sys.argv[1:]])), path, "--note")
+        given = [options["file"]] if options["file"] else []
+        command = shlex.join(["multilock", *sys.argv[1:]])
+        write_text(joint_note(case, command, given), path, "--note")
 
 
-def joint_note(case: Case, command: str) -> str:
-    """The note of ``case``, in HTML; ``command``: what it was made by.
+def joint_note(case: Case, command: str, inputs: Sequence[Path]) -> str:
+    """The note of ``case``, in HTML; ``command``: what it was made by, with files, ``inputs``.
 
     Its equations and the parameters in them are in SI units, whatever units were asked for.
 
@@ -124,6 +134,7 @@ def joint_note(case: Case, command: str) -> str:
         of_strengths=safe(weakened(weak, case.reliability.partial_factor), direction, push).load,
         checks=[*_checks(case, resistance)],
         command=command,
+        inputs=[*map(Appended.of, inputs)],
     )
 
 
@@ -195,30 +206,40 @@ def _locks(state: JointFailure, joint: Joint) -> list[Cells]:
 
 
 def _checks(case: Case, resistance: float) -> Iterator[Cells]:
-    """Each check, what was found, and the result; ``resistance``: N, along the direction."""
+    """Each check: what, the formula with numbers, the result, and whether it is kept.
+
+    ``resistance``: N, along the direction.
+    """
     spans = spans_of(case.joint)
     ranges = ", ".join(
         f"{each} {spans[each]:.3g} ({low:g} to {high:g})"
         for each, (low, high) in list(SPANS.items())[:4]
     )
     found = f"{ranges}, and {len(SPANS) - 4} others"
-    yield "The joint is in the ranges that the rule was tested in", found, "verified"
+    yield "The joint is in the ranges that the rule was tested in", found, "", "verified"
     if case.joint.elastic is None:
         yield "First failure on a finer mesh is above the resistance", *_static(case, resistance)
     if case.needed is not None:
-        usage = case.needed / resistance
-        found = f"{case.needed:.4g} N / {resistance:.4g} N = {usage:.3f}"
-        yield "Action over design resistance", found, "verified" if usage <= 1 else "NOT verified"
+        yield _ratio("Action over design resistance", "E", case.needed, "R", resistance)
 
 
-def _static(case: Case, resistance: float) -> tuple[str, str]:
+def _ratio(what: str, over: str, one: float, under: str, other: float) -> Cells:
+    """The check that ``one`` load (N) is at most the ``other``."""
+    symbols = f"<i>F</i><sub>{over}</sub> / <i>F</i><sub>{under}</sub>"
+    formula = Formula(f"{symbols} = {one:.4g} N / {other:.4g} N")
+    kept = "verified" if one <= other else "NOT verified"
+    return what, formula, f"{one / other:.3f}", f"≤ 1: {kept}"
+
+
+def _static(case: Case, resistance: float) -> tuple[object, str, str]:
     """What the static model says of the given strengths, and whether that is enough."""
     loading = Loading(case.direction, push=case.push)
     try:
         found, error = joint_answer(case.joint, loading), joint_mesh_error(case.joint, loading)
     except CapacityError as failure:
-        return str(failure), "no answer"
+        return str(failure), "", "no answer"
     part = found.first_failure or 1.0
     shown = f"peak {case.both(found.load)}; first failure at {part:.3f} of it"
     shown += f"; mesh error {100.0 * error:.2g} %" if error is not None else ""
-    return shown, "verified" if resistance <= part * found.load else "NOT verified"
+    _, formula, ratio, kept = _ratio("", "R", resistance, "1", part * found.load)
+    return Formula(f"{shown}; {formula}"), str(ratio), str(kept)

@@ -1,6 +1,7 @@
 """Rows as a table for a terminal, as JSON, as CSV, or as a picture of V and M."""
 
 import csv
+import hashlib
 import io
 import json
 import math
@@ -10,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -196,6 +197,30 @@ def draw(figure: "Figure", path: Path) -> None:
     """Write ``figure`` into a file whose ending tells its kind; `click.UsageError`."""
     with writing("--picture", path):
         write_figure(figure, path, dpi=150)
+
+
+class Formula(str):
+    """A formula in HTML, which templates take as it is."""
+
+    __slots__ = ()
+
+    def __html__(self) -> str:
+        return self
+
+
+class Appended(NamedTuple):
+    """A file that a note was made from: its name, SHA-256 digest, and text if it is YAML."""
+
+    name: str
+    digest: str
+    text: str
+
+    @classmethod
+    def of(cls, path: Path) -> "Appended":
+        """What is in a file now."""
+        data = path.read_bytes()
+        text = data.decode("utf-8", "replace") if path.suffix in (".yaml", ".yml") else ""
+        return cls(path.name, hashlib.sha256(data).hexdigest(), text)
 
 
 def write_text(text: str, path: Path, flag: str) -> None:

@@ -13,8 +13,9 @@ import yaml
 from sidmacib.answers.ask import Solved
 from sidmacib.answers.said import Limit, Static
 from sidmacib.answers.structure_paths import StaticAnswer
+from sidmacib.answers.verdict import Verdict, factor_of
 from sidmacib.command.answers import Row
-from sidmacib.command.output import cell, in_asked_units, in_asked_words
+from sidmacib.command.output import Appended, Formula, cell, in_asked_units, in_asked_words
 from sidmacib.drawing import write_figure
 from sidmacib.errors import CapacityError, NoEquilibriumError, reason
 from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind, Piece, Vector
@@ -26,8 +27,8 @@ from sidmacib.scene.drawn import Drawn, shape_of, with_condensed_locks
 from sidmacib.scene.forces import arrows_of, load_of, total
 from sidmacib.scene.page import rendered
 from sidmacib.structure.blocks import solids_of
+from sidmacib.structure.files.structure_file import Demand
 from sidmacib.structure.loads import free_weight
-from sidmacib.structure.partial_factors import PartialFactors
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,6 +40,7 @@ BALANCED = 1e-3  # of the loads: what may be left of all forces
 FLEXIBLE = 0.1  # mesh error from which a load is doubtful
 BELOW = 0.01  # of the static model's load: limit analysis that is lower by more
 KINDS = {Kind.INNER: "bonded", Kind.DRY: "dry", Kind.LOCKED: "condensed locks"}
+OF_CASES = "case", "to first failure", "to peak", "to limit", "decides"
 Cells = tuple[object, ...]
 
 
@@ -47,19 +49,18 @@ class Views:
     """What is drawn of a structure: its ``title``, ``answer`` in words, ``notes``, and ``models``.
 
     ``models``: the one that answers first; ``shape``: by `shape_of`; ``given``: the loads as in the
-    structure's file; ``curve``: of the factor over the positions of a vehicle, as SVG, or nothing;
-    ``factors``: partial ones that are in all of it.
+    structure's file; ``curve``: of the factor over the positions of a vehicle, as SVG, or nothing.
     """
 
     title: str
-    problem: Problem
+    demand: Demand
+    verdict: Verdict | None
     answer: str
     notes: Sequence[str]
     models: Sequence[Drawn]
     shape: Mapping[str, Any]
     given: Sequence[tuple[str, str]]
     curve: str
-    factors: PartialFactors
 
     @classmethod
     def of(
@@ -94,15 +95,20 @@ class Views:
         words = " ".join(f"{each[0].upper()}{each[1:]}." for each in (verdict, answer) if each)
         return cls(
             title=file.stem,
-            problem=problem,
+            demand=solved.demand,
+            verdict=solved.verdict,
             answer=in_asked_words(words),
             notes=notes,
             models=models,
             shape=shape,
             given=_given(description),
             curve="" if curve is None else _svg(curve),
-            factors=solved.demand.factors,
         )
+
+    @property
+    def problem(self) -> Problem:
+        """The structure and its loads."""
+        return self.demand.problem
 
     @property
     def about(self) -> str:
@@ -172,8 +178,11 @@ def _drawn(model: str, problem: Problem, found: Static | Limit) -> Drawn:
     return Drawn(model, problem, of.outcome_of(problem, found))
 
 
-def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
-    """The note in HTML; ``rows``: the table that is printed; ``command``: what it was made by."""
+def structure_note(views: Views, rows: Sequence[Row], command: str, inputs: Sequence[Path]) -> str:
+    """The note in HTML; ``rows``: the table that is printed; ``command``: what it was made by.
+
+    ``inputs``: files that are appended.
+    """
     from sidmacib.scene.picture import picture
 
     drawn, assembly = views.models[0], views.problem.assembly
@@ -183,6 +192,8 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
     unit = "N" if views.problem.loads.axis is None else "degrees"
     failing = [f"{name} ({load:.4g} {unit})" for name, load in drawn.failing]
     asked, laws = in_asked_units(rows), [*_laws(assembly.faces)]
+    if "case" in rows[0]:  # what stands in the checks would make the table too wide for a page
+        asked = [{name: row[name] for name in OF_CASES} for row in asked]
     return rendered(
         TEMPLATE,
         title=f"Calculation note: structure {views.title}",
@@ -204,6 +215,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str) -> str:
         crushed=bool(crushed_faces(assembly)),
         load=in_asked_words(load_of(views.problem)),
         command=command,
+        inputs=[*map(Appended.of, inputs)],
     )
 
 
@@ -274,7 +286,9 @@ def _used(drawn: Drawn) -> list[Cells]:
 
 
 def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
-    """Each check, what was found, and the result."""
+    """Each check: what, the formula with numbers, the result, and whether it is kept."""
+    yield from _design_values(views.demand)
+    yield from _verdicts(views, rows)
     drawn = views.models[0]
     if drawn.outcome is not None and drawn.reactions:
         loads = views.problem.loads.at(drawn.outcome.state.load)
@@ -282,22 +296,72 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
         left = float(np.linalg.norm(acting + np.array(total(drawn.reactions))))
         size = float(np.abs(loads[:, :3]).sum())
         kept = "verified" if left <= BALANCED * size else "NOT verified"
-        yield "Reactions balance the loads", f"residual / loads = {left / size:.1e}", kept
+        balance = _formula(f"|Σ<i>R</i> + Σ<i>F</i>| / Σ|<i>F</i>| = {left:.2g} N / {size:.4g} N")
+        yield (
+            "Reactions balance the loads",
+            balance,
+            f"{left / size:.1e}",
+            f"≤ {BALANCED:g}: {kept}",
+        )
     what = "load" if views.problem.loads.axis is None else "tilt"
-    for row in rows:
-        error = row.get(f"mesh error / {what}")
-        if error is not None:
+    for row in (row for row in rows if row.get("governs", "yes")):
+        if (error := row.get(f"mesh error / {what}")) is not None:
+            kept = "small" if error <= FLEXIBLE else "LARGE"
             told = f"{100.0 * error:.2g} % of the {what}"
-            yield (
-                f"Mesh error, {row.get('model') or row['case']}",
-                told,
-                "small" if error <= FLEXIBLE else "LARGE",
-            )
+            name = f"Mesh error, {row.get('model') or row['case']}"
+            yield name, f"error / {what}", told, f"≤ {100.0 * FLEXIBLE:g} %: {kept}"
     found_by = {each.model: each.load for each in views.models}
     one, other = found_by.get("static"), found_by.get("limit")
     if one and other:
         kept = "verified" if other >= one * (1.0 - BELOW) else "NOT verified"
-        told = f"{four_digits(other)} / {four_digits(one)} = {other / one:.3f}"
-        yield "Limit analysis is at or above the static model", told, kept
+        unit = "N" if what == "load" else "degrees"
+        ratio = _formula(
+            f"<i>F</i><sub>limit</sub> / <i>F</i><sub>static</sub> = "
+            f"{four_digits(other)} {unit} / {four_digits(one)} {unit}"
+        )
+        yield "Limit analysis, static model", ratio, f"{other / one:.3f}", f"≥ 1: {kept}"
     for note in views.notes:
-        yield "Input", note, "see the file"
+        yield "Input", note, "", "see the file"
+
+
+def _design_values(demand: Demand) -> Iterator[Cells]:
+    """Where partial factors come in."""
+    if not (factors := demand.factors):
+        return
+    assert demand.newtons is not None
+    of_actions = (
+        ("Weight and permanent loads", "G", factors.gamma_g, demand.problem.loads.scale),
+        ("Load to be carried", "Q", factors.gamma_q, demand.newtons),
+    )
+    for name, symbol, factor, size in of_actions:
+        words = (
+            f"{symbol}</i><sub>d</sub> = &gamma;<sub>{symbol}</sub> <i>{symbol}</i><sub>k</sub> = "
+        )
+        numbers = f"{factor:g} · {four_digits(size / factor)} N"
+        yield name, _formula(f"<i>{words}{numbers}"), in_asked_words(f"{four_digits(size)} N"), ""
+    divided = "<i>X</i><sub>d</sub> = <i>X</i><sub>k</sub> / &gamma;<sub>M</sub> = "
+    of_laws = _formula(f"{divided}<i>X</i><sub>k</sub> / {factors.gamma_m:g}")
+    yield "Friction and strengths", of_laws, "laws in section 1", ""
+
+
+def _verdicts(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
+    """What is carried over what is to be carried: of each load case, or of the only load."""
+    found = [
+        (row["case"], row["required (N)"], row["factor"], row["carried"] == "yes")
+        for row in rows
+        if "case" in row
+    ]
+    if not found and (one := views.verdict):
+        found = [(f"Load carried: {one.decides}", one.newtons, one.factor, one.passes)]
+    for name, newtons, factor, passes in found:
+        formula, result = Formula("-"), "-"
+        if factor is not None:
+            carried = f"{four_digits(factor * newtons)} N / {four_digits(newtons)} N"
+            formula = _formula(f"<i>F</i><sub>R</sub> / <i>F</i><sub>E</sub> = {carried}")
+            result = factor_of(factor)
+        yield name, formula, result, f"≥ 1: {'verified' if passes else 'NOT verified'}"
+
+
+def _formula(text: str) -> Formula:
+    """With its numbers in the units that were asked for."""
+    return Formula(in_asked_words(text))
