@@ -16,6 +16,7 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.scene.forces import load_of
 from sidmacib.structure.files.structure_file import Demand, demands_of, structure_of
 from sidmacib.structure.vehicle import Deck
+from workflow.configuration import ConfigError, read_study
 
 EDGE, DENSITY = 1.0, 2000.0
 SLAB = DENSITY * GRAVITY * 4.0 * 1.0 * 0.5  # N
@@ -277,3 +278,19 @@ def test_models_that_take_one_load_refuse_a_vehicle() -> None:
         ValueError, match=r"load\.vehicle: moves, and is for multilock assembly only"
     ):
         structure_of(moving(BEAM))
+
+
+@pytest.mark.parametrize(
+    ("keys", "place"),
+    [
+        ({"load": {"vehicle": LORRY}}, "description: load"),
+        ({"load_cases": {"a": {"vehicle": LORRY}}}, "description.load_cases.a"),
+    ],
+)
+def test_a_study_refuses_a_vehicle(keys: Any, place: str) -> None:
+    given = {"structures": {"slab": {"description": {**BEAM, **keys}}}, "models": ["limit"]}
+    with pytest.raises(ConfigError) as fault:
+        read_study(given)
+    assert f"structures.slab.{place}.vehicle: moves, and is for multilock assembly" in str(
+        fault.value
+    )

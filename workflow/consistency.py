@@ -315,6 +315,7 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     from sidmacib.structure.files import structure_file  # noqa: PLC0415
     from sidmacib.structure.files.loads import LoadSection  # noqa: PLC0415
     from sidmacib.structure.files.sections import OF_TIME  # noqa: PLC0415
+    from sidmacib.structure.files.vehicle import MOVING  # noqa: PLC0415
     from sidmacib.structure.shaking import IN_TIME  # noqa: PLC0415
 
     for variant, whole in section.wholes():
@@ -322,6 +323,8 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
         try:
             if CASES in whole and not section.loads:
                 structure_file.demands_of(whole)
+                for name in (each for each, case in load_cases(whole).items() if "vehicle" in case):
+                    yield f"{key}.{place}.{CASES}.{name}.{MOVING}"
                 names = [structure_case_name("", name) for name in load_cases(whole)]
                 if len({*names}) < len(names):
                     allowed = "names must differ in letters, digits, _ and ."

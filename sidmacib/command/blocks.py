@@ -77,7 +77,7 @@ GAP = Number(at_least=0, unit="m")
     "--picture",
     type=PICTURE,
     help="Draw the structure with its forces into this file: .png, .svg or .pdf. With "
-    "--capacity-curve, or if a support moves, draw the curve instead.",
+    "--capacity-curve, or if a support or a vehicle moves, draw the curve instead.",
 )
 @click.option(
     "--report",
