@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from axe_playwright_python.sync_playwright import Axe
+from chromium import needs_browser, until
 from command_runner import assembly, run
 from scipy.optimize import linprog
 
@@ -235,6 +237,21 @@ def test_page_and_note_show_the_factor_over_the_position(tmp_path: Path) -> None
     for file in (page, note):
         assert 'aria-label="Load factor over the position of the leading axle"' in file.read_text()
     assert drawing.stat().st_size > 0
+
+
+@pytest.mark.study
+@needs_browser
+def test_everyone_can_read_the_page_and_it_fits_a_telephone(tmp_path: Path, browser: Any) -> None:
+    page = tmp_path / "a.html"
+    given = moving(BEAM, start=[1.2, 0.5], end=[1.8, 0.5], positions=2)
+    assert assembly(tmp_path / "beam.yaml", given, "--report", str(page)).exit_code == 0
+    opened = browser.new_page(viewport={"width": 390, "height": 800})
+    opened.goto(page.as_uri())
+    until(opened, "!!document.querySelector('#structure-plot .gl-container')")
+    found, wide = Axe().run(opened), opened.evaluate("document.documentElement.scrollWidth")
+    opened.close()
+    assert wide == 390
+    assert found.violations_count == 0, found.generate_report()
 
 
 # --- faults --------------------------------------------------------------------------------------
