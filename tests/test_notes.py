@@ -66,6 +66,16 @@ def test_meshes_are_named_by_their_digests(tmp_path: Path) -> None:
     assert "<pre>" not in note.read_text()
 
 
+def test_yaml_beside_a_mesh_is_appended_if_it_was_read(tmp_path: Path) -> None:
+    mesh, note = tmp_path / "a.obj", tmp_path / "note.html"
+    mesh.write_bytes((ROOT / "tests/cases/geometry/yup.obj").read_bytes())
+    for text, read in (("permanent: []\n", True), ("blocks: {}\n", False)):
+        mesh.with_suffix(".yaml").write_text(text)
+        options = "--up", "y", "--fixed", "ground", "--note", str(note)
+        assert run("assembly", str(mesh), *options).exit_code == 0
+        assert ("a.yaml, SHA-256" in note.read_text()) is read
+
+
 def test_a_load_that_is_not_carried_is_not_verified(tmp_path: Path) -> None:
     note = tmp_path / "note.html"
     weak = {**CUBE, "load": {**PUSH, "newtons": "40kN"}}

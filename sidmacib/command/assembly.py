@@ -56,6 +56,7 @@ from sidmacib.structure.partial_factors import PartialFactors
 from sidmacib.structure.shaking import TimeLoads
 from sidmacib.structure.structure import with_dry_joints
 from sidmacib.validation import refused
+from sidmacib.yaml_text import read_yaml
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -101,8 +102,8 @@ class Wanted:
     @property
     def inputs(self) -> list[Path]:
         """The files that the description is from: the one given, YAML beside it, and meshes."""
-        given = [self.file]
-        if (beside := self.file.with_suffix(".yaml")).is_file():
+        given, beside = [self.file], self.file.with_suffix(".yaml")
+        if beside.is_file() and "blocks" not in read_yaml(beside):
             given.append(beside)
         blocks = self.description["blocks"].values()
         given += [self.file.parent / each["file"] for each in blocks if "file" in each]

@@ -39,6 +39,7 @@ WIDTH = 5.0  # inches, of the picture
 BALANCED = 1e-3  # of the loads: what may be left of all forces
 FLEXIBLE = 0.1  # mesh error from which a load is doubtful
 BELOW = 0.01  # of the static model's load: limit analysis that is lower by more
+KEPT = {"yes": "verified", "no": "NOT verified", "open": "OPEN"}
 KINDS = {Kind.INNER: "bonded", Kind.DRY: "dry", Kind.LOCKED: "condensed locks"}
 OF_CASES = "case", "to first failure", "to peak", "to limit", "decides"
 Cells = tuple[object, ...]
@@ -347,19 +348,19 @@ def _design_values(demand: Demand) -> Iterator[Cells]:
 def _verdicts(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
     """What is carried over what is to be carried: of each load case, or of the only load."""
     found = [
-        (row["case"], row["required (N)"], row["factor"], row["carried"] == "yes")
+        (row["case"], row["required (N)"], row["factor"], KEPT[row["carried"]])
         for row in rows
         if "case" in row
     ]
     if not found and (one := views.verdict):
-        found = [(f"Load carried: {one.decides}", one.newtons, one.factor, one.passes)]
-    for name, newtons, factor, passes in found:
+        found = [(f"Load carried: {one.decides}", one.newtons, one.factor, KEPT[one.said.lower()])]
+    for name, newtons, factor, kept in found:
         formula, result = Formula("-"), "-"
         if factor is not None:
             carried = f"{four_digits(factor * newtons)} N / {four_digits(newtons)} N"
             formula = _formula(f"<i>F</i><sub>R</sub> / <i>F</i><sub>E</sub> = {carried}")
             result = factor_of(factor)
-        yield name, formula, result, f"≥ 1: {'verified' if passes else 'NOT verified'}"
+        yield name, formula, result, f"≥ 1: {kept}"
 
 
 def _formula(text: str) -> Formula:
