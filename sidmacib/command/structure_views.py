@@ -297,7 +297,9 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
         left = float(np.linalg.norm(acting + np.array(total(drawn.reactions))))
         size = float(np.abs(loads[:, :3]).sum())
         kept = "verified" if left <= BALANCED * size else "NOT verified"
-        balance = _formula(f"|Σ<i>R</i> + Σ<i>F</i>| / Σ|<i>F</i>| = {left:.2g} N / {size:.4g} N")
+        balance = _formula(
+            f"|Σ<i>R</i> + Σ<i>F</i>| / Σ|<i>F</i>| = {left:.2g} N / {four_digits(size)} N"
+        )
         yield (
             "Reactions balance the loads",
             balance,
