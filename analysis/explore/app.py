@@ -329,6 +329,7 @@ def structures_page(query: str) -> str:
         chosen=link.state,
         values=dict(link.state.values),
         kept=link.kept and link.kept.chosen,
+        kinds=structures.READ,
     )
 
 

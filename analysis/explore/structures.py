@@ -27,12 +27,19 @@ from sidmacib.command.structure_views import Views
 from sidmacib.command.structures import structure_rows
 from sidmacib.scene.forces import arrows_of
 from sidmacib.scene.page import page
-from sidmacib.structure.files.structure_file import Demand, demands_of, description_in, notes_on
+from sidmacib.structure.files.structure_file import (
+    OF_BLOCKS,
+    Demand,
+    demands_of,
+    description_in,
+    notes_on,
+)
 from sidmacib.structure.loads import SupportMotion
 from sidmacib.yaml_text import read_yaml
 
 KEPT = 64  # examples that are not computed again
 YAML = (".yaml", ".yml")
+READ = *YAML, *OF_BLOCKS
 OPENED = "/opened"
 MOST_FILES = 8  # that are remembered
 HERE = Path(__file__).parent
@@ -200,7 +207,7 @@ class OpenedFile(NamedTuple):
             data["structures"] += there.views.content(there.rows, "")[0]["structures"]
             lines = compared((here.told, there.told), (here.carried, there.carried))
             shown["comparison"] = [[cell(value) for value in line] for line in lines]
-        return page(data, {**own, **words, **shown}, TEMPLATE)
+        return page(data, {**own, **words, **shown, "kinds": READ}, TEMPLATE)
 
 
 def opened_files(files: Sequence[SentFile]) -> list[OpenedFile]:
