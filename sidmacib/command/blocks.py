@@ -50,6 +50,7 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--density", help="In kg/m3, of blocks whose material has none.")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
 @click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
+@click.option("--layers", help="Layers of a 3dm file that have the blocks: 'Blocks,Supports'.")
 @click.option(
     "--tolerance",
     help="Largest gap of faces that touch, over the size of a block: 0.006.",
@@ -114,9 +115,9 @@ GAP = Number(at_least=0, unit="m")
 def assembly(file: Path, **options: Any) -> None:
     """Compute the load capacity of a block structure.
 
-    FILE describes the blocks, the interfaces and the load in YAML, or has the blocks: OBJ, STL,
-    PLY, OFF, Rhino's 3dm, or JSON of COMPAS. Options, or a YAML file of the same name beside it,
-    then add what it lacks: --fixed, --friction, locks, a load other than a push along x.
+    FILE describes the blocks, the interfaces and the load in YAML, or has the blocks: OBJ, GLB,
+    glTF, STL, PLY, OFF, Rhino's 3dm, or JSON of COMPAS. Options, or a YAML file of the same name
+    beside it, then add what it lacks: --fixed, --friction, locks, a load other than a push along x.
 
     limit: limit analysis with associated friction; may overestimate. static: raises the load on
     elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,

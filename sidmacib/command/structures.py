@@ -28,14 +28,16 @@ LARGE = 2000  # contact nodes of a structure: of a larger one, results are told 
 def added_keys(
     *,
     fixed: str | None,
+    layers: str | None,
     friction: str | None,
     tolerance: str | None,
     from_file: bool,
     **of_blocks: object,
 ) -> dict[str, Any]:
     """Options of the command as keys of a structure's file: those that are given."""
-    if fixed is not None:
-        of_blocks["fixed"] = [name.strip() for name in fixed.split(",")]
+    for key, names in (("fixed", fixed), ("layers", layers)):
+        if names is not None:
+            of_blocks[key] = [name.strip() for name in names.split(",")]
     laws = {"friction": friction, "from_file": from_file or None}
     sections = {"blocks": _given(of_blocks) or None, "interfaces": _given(laws) or None}
     return _given({**sections, "tolerance": tolerance})

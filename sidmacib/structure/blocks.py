@@ -4,6 +4,7 @@ Their surfaces may be closed and bound no body: where faces cross, or bodies are
 """
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -74,9 +75,10 @@ class Block(Piece):
             raise ValueError(f"{self.name}: no two vertices may be at the same place")
 
     def _require_closed(self) -> None:
-        """Each edge in two faces, once in either direction."""
-        edges = [edge for f in self.faces for edge in zip(f, (*f[1:], f[0]), strict=True)]
-        if len(set(edges)) < len(edges) or {(b, a) for a, b in edges} != set(edges):
+        """Each edge as often in one direction as in the other: more than once if bodies pinch."""
+        edges = Counter(edge for f in self.faces for edge in zip(f, (*f[1:], f[0]), strict=True))
+        twice = len({*map(frozenset, self.faces)}) < len(self.faces)
+        if twice or any(edges[other, one] != count for (one, other), count in edges.items()):
             raise ValueError(f"{self.name}: its faces must close a volume, each edge between two")
 
     def _require_body(self) -> None:

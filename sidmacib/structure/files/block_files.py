@@ -7,7 +7,7 @@ vertex cuts through the folds.
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
@@ -19,15 +19,17 @@ from sidmacib.errors import lacks
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.quantities import MEASURED_IN, Number, shown
 from sidmacib.reading import Keys, Text
-from sidmacib.structure.blocks import Block, require_near
-from sidmacib.structure.files.compas import DENSITIES, read_compas, read_compas_interfaces
-from sidmacib.structure.files.repair import AS_IT_IS, Face, Surface, bodies_in, chosen, repaired
+from sidmacib.structure.blocks import Block, compact, require_near
+from sidmacib.structure.files.bodies import Body, blocks_of, bodies_in
+from sidmacib.structure.files.compas import DENSITIES, compas_bodies, read_compas_interfaces
+from sidmacib.structure.files.repair import AS_IT_IS, Face, Surface
 from sidmacib.structure.interfaces import Interface, mean_size
 from sidmacib.structure.warnings import BLOCK
 from sidmacib.validation import refused
 
-SUFFIXES = (".obj", ".ply", ".stl", ".off", ".3dm")
-NAMED = (".obj", ".3dm")  # have objects with names
+UPWARDS_Y = (".glb", ".gltf")  # by their standard; in metres
+NAMED = (".obj", ".3dm", *UPWARDS_Y)  # have objects with names
+SUFFIXES = (".obj", ".ply", ".stl", ".off", ".3dm", *UPWARDS_Y)
 LENGTHS = {  # m
     "Millimeters": 1e-3,
     "Centimeters": 1e-2,
@@ -45,21 +47,21 @@ UPWARDS = {  # what turns a file's coordinates so that z is up
 }
 
 
-def blocks_from_mesh(
-    path: Path, density: float, turn: Floats = AS_IT_IS, unit: float | None = None
-) -> dict[str, Block]:
-    """The bodies in a file, by the name of each object of an OBJ or 3dm file, or by number from 1.
+def surfaces_in(
+    path: Path, turn: Floats = AS_IT_IS, unit: float | None = None, layers: Sequence[str] = ()
+) -> dict[str, Surface]:
+    """The surface (m) of each body in a file, by the name of its object, or by number from 1.
 
-    ``density`` in kg/m3; ``turn``, (3, 3), applied to coordinates; ``unit``: m per unit of the
-    file, by default that of a 3dm file, else 1. See `repaired` and `bodies_in`. ValueError if the
-    file has no such mesh, or a body is not closed.
+    ``turn``, (3, 3), applied to coordinates; ``unit``: m per unit of the file, by default that of a
+    3dm file, else 1; ``layers`` of a 3dm file, by default all. See `bodies_in`. ValueError if the
+    file has no such mesh.
     """
     suffix, of_file = path.suffix.lower(), 1.0
     if suffix not in SUFFIXES:
         raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
     try:
         if suffix == ".3dm":
-            surfaces, name = _in_3dm(path)
+            surfaces, name = _in_3dm(path, layers)
             if unit is None and name not in LENGTHS:
                 raise ValueError(f"its unit is {name}; give unit (m, cm, mm, in, ft) or scale")
             of_file = LENGTHS.get(name, 1.0)
@@ -68,10 +70,7 @@ def blocks_from_mesh(
         if suffix not in NAMED or len(surfaces) == 1:
             surfaces = _numbered(surfaces)
         frame = turn * (of_file if unit is None else unit)
-        return {
-            name: repaired(name, places @ frame.T, faces, density)
-            for name, (places, faces) in sorted(surfaces.items())
-        }
+        return {name: (of[0] @ frame.T, of[1]) for name, of in sorted(surfaces.items())}
     except ValueError as error:
         raise ValueError(f"file: {path.name}: {error}") from None
 
@@ -84,13 +83,14 @@ def _surfaces(path: Path) -> dict[str, Surface]:
         raise ValueError("is no mesh that can be read") from None
     if not found:
         raise ValueError("has no triangles")
-    for places, faces in found.values():
+    for name, (places, faces) in found.items():
         corners, last = np.concatenate(faces), len(places) - 1
         if len(wrong := corners[(corners < 0) | (corners > last)]):
             raise ValueError(
                 f"has a face with vertex {wrong[0]}; it has 0 to {last}; export the mesh again"
             )
-        require_near("vertices", places)
+        found[name] = own, _ = compact(places, faces)  # vertices of all objects may be together
+        require_near("vertices", own)
     return found
 
 
@@ -114,15 +114,20 @@ def _in_obj(path: Path) -> dict[str, Surface]:
             ends = [int(corner.partition("/")[0]) for corner in words]
             face = tuple(end - 1 if end > 0 else end + len(places) for end in ends)
             faces.setdefault(name, []).append(face)
-    return {name: (np.array(places).reshape(-1, 3), of) for name, of in faces.items()}
+    shared = np.array(places).reshape(-1, 3)
+    return {name: (shared, of) for name, of in faces.items()}
 
 
 def _triangles(path: Path) -> dict[str, Surface]:
-    return {
-        name: (np.asarray(mesh.vertices, float), [(a, b, c) for a, b, c in mesh.faces.tolist()])
-        for name, mesh in trimesh.load_scene(path, process=False).geometry.items()
-        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)
-    }
+    scene = trimesh.load_scene(path, process=False)
+    found: dict[str, Surface] = {}
+    for name in scene.graph.nodes_geometry:
+        matrix, of = scene.graph[name]
+        mesh = scene.geometry[of]
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+            places = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+            found[name] = np.asarray(places, float), [(a, b, c) for a, b, c in mesh.faces.tolist()]
+    return found
 
 
 def _numbered(surfaces: dict[str, Surface]) -> dict[str, Surface]:
@@ -130,15 +135,15 @@ def _numbered(surfaces: dict[str, Surface]) -> dict[str, Surface]:
     found: list[Surface] = []
     for surface in surfaces.values():
         places, bodies = bodies_in(*surface)
-        found += [(places, body) for body in bodies]
+        found += [compact(places, body) for body in bodies]
     return {str(number): body for number, body in enumerate(found, 1)}
 
 
-def _in_3dm(path: Path) -> tuple[dict[str, Surface], str]:
+def _in_3dm(path: Path, layers: Sequence[str]) -> tuple[dict[str, Surface], str]:
     """The surface of each mesh, polysurface or extrusion by its name, and the unit of the file.
 
-    Objects without a name are numbered from 1. Of polysurfaces and extrusions the meshes count that
-    Rhino keeps to draw them. ValueError if it cannot be read.
+    Objects without a name are called by their layer and numbered from 1. Of polysurfaces and
+    extrusions the meshes count that Rhino keeps to draw them. ValueError if it cannot be read.
     """
     try:
         rhino: Any = importlib.import_module("rhino3dm")
@@ -148,9 +153,15 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], str]:
     if model is None:
         raise ValueError("is no file of Rhino that can be read")
     found: dict[str, Surface] = {}
+    used = set()
     for number, each in enumerate(model.Objects, 1):
-        if each.Attributes.IsInstanceDefinitionObject:  # a part that only instances place
+        layer = str(model.Layers[each.Attributes.LayerIndex].FullPath)
+        used.add(layer)
+        chosen = not layers or any(fnmatchcase(layer, pattern) for pattern in layers)
+        # A part of a definition is only where instances place it.
+        if not chosen or each.Attributes.IsInstanceDefinitionObject:
             continue
+        name = each.Attributes.Name or f"{layer}-{number}"
         parts, solid = [each.Geometry], isinstance(each.Geometry, rhino.Brep | rhino.Extrusion)
         if isinstance(each.Geometry, rhino.Brep):
             parts = list(each.Geometry.Faces)
@@ -158,15 +169,15 @@ def _in_3dm(path: Path) -> tuple[dict[str, Surface], str]:
         meshes = [mesh for mesh in meshes if isinstance(mesh, rhino.Mesh)]
         if isinstance(each.Geometry, rhino.SubD | rhino.InstanceReference):
             words = "is a SubD or an instance of a block; make a mesh of it in Rhino"
-            raise ValueError(f"{each.Attributes.Name or number}: {words}")
+            raise ValueError(f"{name} on layer {layer}: {words}, or choose other layers")
         if solid and not meshes:
             words = "has no mesh; shade the view in Rhino and save again"
-            raise ValueError(f"{each.Attributes.Name or number}: {words}")
+            raise ValueError(f"{name} on layer {layer}: {words}, or choose other layers")
         if meshes:
-            name = each.Attributes.Name or str(number)
             found[name if name not in found else f"{name}-{number}"] = _joined(meshes)
     if not found:
-        raise ValueError("has no meshes, polysurfaces or extrusions")
+        on = f" on layers {', '.join(layers)}; it has {', '.join(sorted(used))}" if layers else ""
+        raise ValueError(f"has no meshes, polysurfaces or extrusions{on}")
     return found, str(model.Settings.ModelUnitSystem).rpartition(".")[2]
 
 
@@ -201,7 +212,7 @@ def require_likely(size: float, what: str) -> None:
 
 
 class FileSection(Keys):
-    """Blocks from OBJ, PLY, STL or OFF files, from Rhino's 3dm, or from the JSON of COMPAS."""
+    """Blocks from OBJ, GLB, glTF, PLY, STL or OFF, from Rhino's 3dm, or from JSON of COMPAS."""
 
     file: Text
     """its path, from the folder of this file; with `*` all that fit, a block or more from each"""
@@ -209,8 +220,10 @@ class FileSection(Keys):
     """unit of its lengths: by default that of a 3dm file, else m"""
     scale: Annotated[float, Number(above=0)] | None = None
     """m per unit of the file, in place of `unit`"""
-    up: Literal["x", "y", "z"] = "z"
-    """its axis that points upwards"""
+    up: Literal["x", "y", "z"] | None = None
+    """its axis that points upwards: by default y in GLB and glTF, else z"""
+    layers: tuple[Text, ...] = ()
+    """names or patterns of the layers of a 3dm file that have the blocks: by default all"""
     density: Annotated[float, DENSITIES] = 2000.0
     fixed: Annotated[StrictBool | tuple[Text, ...], BeforeValidator(_held)] | None = None
     """whether the blocks cannot move, or names or patterns of those that cannot; of COMPAS by
@@ -243,14 +256,11 @@ class FileSection(Keys):
                 raise refused("file", self.file, "a pattern that fits a file")
             several = len(paths) > 1
             begin = [f"{name}-{path.stem}" if several else name for path in paths]
-            found = [b for each in zip(begin, paths, strict=True) for b in self._in(*each)]
-            if several or not self.file.endswith(".json"):  # of COMPAS nodes are fixed
-                found = self._fixed(name, found)
-            if self.length is None and not self.file.endswith(".3dm"):
+            bodies = [body for each in zip(begin, paths, strict=True) for body in self._in(*each)]
+            found = blocks_of(bodies, self.density, self.fixed, name, self.fixed_below)
+            if self.length is None and not self.has_unit:
                 require_likely(mean_size(found), f"file: {self.file}: its blocks")
-            if (height := self.fixed_below) is None:
-                return found
-            return [replace(b, fixed=b.fixed or b.places[:, 2].min() < height) for b in found]
+            return found
         except ValueError as error:
             raise ValueError(f"blocks.{name}.{error}") from None
 
@@ -264,28 +274,25 @@ class FileSection(Keys):
         return self.file.endswith(".json") and "*" not in self.file
 
     @property
+    def has_unit(self) -> bool:
+        """Whether such a file says in which unit its lengths are."""
+        return self.file.lower().endswith((".3dm", *UPWARDS_Y))
+
+    @property
     def frame(self) -> Floats:
         """Turns the file's coordinates into m with z upwards, (3, 3)."""
-        return np.array(UPWARDS[self.up], float) * (self.length or 1.0)
+        return self._turn * (self.length or 1.0)
 
-    def _in(self, name: str, path: Path) -> list[Block]:
+    @property
+    def _turn(self) -> Floats:
+        usual = "y" if self.file.lower().endswith(UPWARDS_Y) else "z"
+        return np.array(UPWARDS[self.up or usual], float)
+
+    def _in(self, name: str, path: Path) -> list[Body]:
         if not path.is_file():
             raise refused("file", self.file, "a file that is there")
         if path.suffix == ".json":
-            if isinstance(self.fixed, bool):
-                raise refused("fixed", self.fixed, "a list of nodes")
-            fixed = () if self.fixed is None and self.fixed_below is not None else self.fixed
-            return list(read_compas(path, self.density, fixed, name, self.frame))
-        turn = np.array(UPWARDS[self.up], float)
-        bodies = blocks_from_mesh(path, self.density, turn, self.length)
-        alone = len(bodies) == 1
-        return [replace(b, name=name if alone else f"{name}-{k}") for k, b in bodies.items()]
-
-    def _fixed(self, name: str, blocks: list[Block]) -> list[Block]:
-        if self.fixed is None:
-            return blocks
-        if isinstance(self.fixed, bool):
-            return [replace(block, fixed=self.fixed) for block in blocks]
-        names = [block.name.removeprefix(f"{name}-") for block in blocks]
-        held = chosen(self.fixed, names, "true, false, or a list of")
-        return [replace(b, fixed=own in held) for b, own in zip(blocks, names, strict=True)]
+            return compas_bodies(path, name, self.frame)
+        surfaces = surfaces_in(path, self._turn, self.length, self.layers)
+        alone = len(surfaces) == 1
+        return [Body(name if alone else f"{name}-{k}", each) for k, each in surfaces.items()]

@@ -7,7 +7,7 @@ may have interfaces.
 """
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,14 +19,8 @@ import shapely
 from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.quantities import Number, shown
 from sidmacib.structure.blocks import Block, area_vector, require_near
-from sidmacib.structure.files.repair import (
-    AS_IT_IS,
-    Surface,
-    bodies_in,
-    chosen,
-    repaired,
-    with_depth,
-)
+from sidmacib.structure.files.bodies import Body, blocks_of, bodies_in
+from sidmacib.structure.files.repair import AS_IT_IS, Surface
 from sidmacib.structure.interfaces import Interface, in_order, tangents
 
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
@@ -61,7 +55,7 @@ class _Node:
 def read_compas(
     path: Path,
     density: float,
-    fixed: Collection[object] | None = None,
+    fixed: Sequence[object] | None = None,
     name: str = NAME,
     frame: Floats = AS_IT_IS,
 ) -> tuple[Block, ...]:
@@ -74,23 +68,23 @@ def read_compas(
     blocks that cannot move may be flat.
     ValueError, which names the file or the block, for what is not understood.
     """
+    return tuple(blocks_of(compas_bodies(path, name, frame), density, fixed, name))
+
+
+def compas_bodies(path: Path, name: str, frame: Floats) -> list[Body]:
+    """The bodies in the JSON file ``path``; arguments and errors of `read_compas`."""
     with _understood(path):
         nodes = sorted(_nodes(content_of(path), name), key=lambda node: node.number)
-    held = {str(node.number) for node in nodes if node.support}
-    if fixed is not None:
-        asked = [str(each).removeprefix(f"{name}-") for each in fixed]
-        held = chosen(asked, [str(node.number) for node in nodes], "a node of")
-    if not held and fixed is None:
-        raise ValueError(f"{path.name}: calls no node a support; name the fixed nodes")
-    found = []
-    for node in nodes:
-        places, faces = node.surface[0] @ frame.T, node.surface[1]
-        if is_held := str(node.number) in held:
-            places, faces = with_depth(places, faces)
-        of = density if node.density is None else node.density
-        block = repaired(f"{name}-{node.number}", places, faces, of)
-        found.append(replace(block, fixed=is_held, material=node.material))
-    return tuple(found)
+    return [
+        Body(
+            f"{name}-{node.number}",
+            (node.surface[0] @ frame.T, node.surface[1]),
+            node.density,
+            node.material,
+            node.support,
+        )
+        for node in nodes
+    ]
 
 
 def read_compas_interfaces(

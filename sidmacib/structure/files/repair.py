@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from fnmatch import fnmatchcase
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -21,40 +20,45 @@ from sidmacib.structure.blocks import (
     require_few_faces,
     vectors,
 )
-from sidmacib.validation import refused
+from sidmacib.structure.interfaces import tangents
 
-MOST_NAMES = 8  # in a message
 Face = tuple[int, ...]
 Edge = tuple[int, int]
 Surface = tuple[Floats, list[Face]]  # vertices, (V, 3), and faces: numbers of these
 AS_IT_IS: Floats = np.eye(3)
-SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart are one
 DEPTH = 0.1  # over its size: of a block in place of a flat support
 FLATTEST = 0.99  # least cosine between the normals of its faces
 MOST_CORNERS = 16  # of a folded face whose cuts are all tried
 INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
 
 
-def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density: float) -> Block:
+def repaired(
+    name: str,
+    places: Floats,
+    faces: Sequence[Sequence[int]],
+    density: float,
+    *,
+    fixed: bool = False,
+    material: str | None = None,
+) -> Block:
     """The block that closed ``faces`` bound, however a program has written them.
 
-    ``places`` of vertices (m), (V, 3); ``faces``: numbers of their vertices; ``density`` in kg/m3.
+    ``places`` of vertices (m), (V, 3); ``faces``: numbers of their vertices; else as `Block`.
     Vertices at one place are joined, and those that no face has left out; faces that are there
     twice count once; where a vertex lies on an edge, that is divided. Faces are turned outwards, or
     inwards where they close a cavity. Those in one plane become one. ValueError, which begins with
     ``name``, for what is not closed: with the place and a remedy.
     """
-    places, faces = _welded(places, faces, FLAT)
+    places, faces = welded(places, faces, FLAT)
     if not faces:
         raise ValueError(f"{name}: has no faces with an area")
-    places, faces = compact(places, faces)  # as other bodies may have vertices, too
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     thick = [face for face in faces if _thickness(places[list(face)]) > FLAT * size]
-    kept = _divided(_once(thick), places, FLAT * size)
+    kept = _divided(once_each(thick), places, FLAT * size)
     kept = [plane for face in kept for plane in planes(face, places, size)]
     kept = _outwards(name, kept, places)
     places, kept = compact(places, _in_planes(name, kept, places, size))
-    return Block(name, vectors(places), tuple(kept), density)
+    return Block(name, vectors(places), tuple(kept), density, fixed, material)
 
 
 def with_depth(places: Floats, faces: Sequence[Face]) -> Surface:
@@ -62,53 +66,25 @@ def with_depth(places: Floats, faces: Sequence[Face]) -> Surface:
 
     Arguments as of `repaired`; z is up. What is closed, or stands upright, stays as it is.
     """
-    places, welded = _welded(places, faces, FLAT)
-    once = _once(welded)
-    border = [edge for edge, beside in _sides(once).items() if len(beside) == 1]
+    places, joined = welded(places, faces, FLAT)
+    once = once_each(joined)
+    border = open_edges(once)
     size, count = float(np.linalg.norm(np.ptp(places, axis=0))), len(places)
-    normals = np.array([normal_of(places[list(face)]) for face in once])
-    flat = np.abs(normals @ normals[0]).min() > FLATTEST
-    if not border or not flat or abs(normals[0, 2]) <= FLAT:
-        return places, welded
+    normal = normal_of(places[list(once[0])]) if once else np.zeros(3)
+    if not border or abs(normal[2]) <= FLAT or not _is_flat(once, places):
+        return places, joined
     sides = [(one, other, other + count, one + count) for one, other in border]
     bottom = [tuple(vertex + count for vertex in face) for face in once]
-    down = -np.sign(normals[0, 2]) * DEPTH * size * normals[0]
+    down = -np.sign(normal[2]) * DEPTH * size * normal
     return np.vstack([places, places + down]), [*once, *sides, *bottom]
 
 
-def chosen(asked: Sequence[object], names: Sequence[str], allowed: str) -> set[str]:
-    """Those of ``names`` that are ``asked`` for by name or by a pattern with `*`; ValueError.
-
-    ``allowed``: begins what an error says is allowed.
-    """
-    held: set[str] = set()
-    for each in map(str, asked):
-        fit = [name for name in names if fnmatchcase(name, each)]
-        if not fit:
-            some = ", ".join(names[:MOST_NAMES]) + ", ..." * (len(names) > MOST_NAMES)
-            raise refused("fixed", each, f"{allowed} {some}")
-        held |= set(fit)
-    return held
+def _is_flat(faces: Sequence[Face], places: Floats) -> bool:
+    normals = np.array([normal_of(places[list(face)]) for face in faces])
+    return bool(np.abs(normals @ normals[0]).min() > FLATTEST)
 
 
-def bodies_in(places: Floats, faces: Sequence[Face]) -> tuple[Floats, list[list[Face]]]:
-    """The vertices (m), (W, 3), and the faces of each body that ``faces`` bound, in their order.
-
-    ``places`` of vertices (m), (V, 3). Faces that share vertices are of one body, if all bodies are
-    closed so. Else vertices at one place are joined, and a body ends where all edges are in an even
-    number of its faces, so that bodies which follow each other may touch; where that leads to no
-    end, faces that share an edge with no third one are of one body. A surface inside a body is a
-    cavity of it; one that is there twice counts once.
-    """
-    surfaces = _connected(faces)
-    if not all(len(sides) == 2 for part in surfaces for sides in _sides(part).values()):
-        places, faces = _welded(places, faces, SAME)
-        surfaces = _in_order(faces) or _connected(_once(faces))
-    once = {frozenset(map(frozenset, surface)): surface for surface in reversed(surfaces)}
-    return places, _with_cavities(list(once.values())[::-1], places)
-
-
-def _welded(
+def welded(
     places: Floats, faces: Sequence[Sequence[int]], near: float
 ) -> tuple[Floats, list[Face]]:
     """Vertices of which those at one place are one, and those faces that have an area.
@@ -118,12 +94,13 @@ def _welded(
     """
     if not faces:
         return places, []
-    used = places[sorted({vertex for face in faces for vertex in face})]
-    size = float(np.linalg.norm(np.ptp(used, axis=0)))
-    label = grouped(len(places), cKDTree(places).query_pairs(near * size, output_type="ndarray"))
+    places, faces = compact(places, faces)  # as other bodies may have vertices, too
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    near_ones = cKDTree(places).query_pairs(near * size, output_type="ndarray")
+    label = grouped(len(places), near_ones) if len(near_ones) else np.arange(len(places))
     cleaned = (_without_repeats(label[[*face]].tolist()) for face in faces)
-    kept = places[np.unique(label, return_index=True)[1]]
-    return kept, [face for face in cleaned if len(set(face)) > 2]
+    kept = [face for face in cleaned if len(set(face)) > 2]
+    return places[np.unique(label, return_index=True)[1]], kept
 
 
 def planes(face: Face, places: Floats, size: float) -> list[Face]:
@@ -171,32 +148,38 @@ def _without_repeats(face: list[int]) -> Face:
     return tuple(face)
 
 
-def _once(faces: Sequence[Face]) -> list[Face]:
+def once_each(faces: Sequence[Face]) -> list[Face]:
     """Faces without those that have the vertices of one before."""
     return list({frozenset(face): face for face in reversed(faces)}.values())[::-1]
 
 
-def _edges(face: Face) -> Iterator[Edge]:
+def edges_of(face: Face) -> Iterator[Edge]:
+    """The edges of a face, in its direction."""
     return zip(face, (*face[1:], face[0]), strict=True)
 
 
-def _sides(faces: Sequence[Face]) -> dict[Edge, list[tuple[int, bool]]]:
+def sides_of(faces: Sequence[Face]) -> dict[Edge, list[tuple[int, bool]]]:
     """The faces at each edge, and whether they run from its lower to its higher vertex."""
     sides: dict[Edge, list[tuple[int, bool]]] = {}
     for number, face in enumerate(faces):
-        for one, other in _edges(face):
+        for one, other in edges_of(face):
             sides.setdefault((min(one, other), max(one, other)), []).append((number, one < other))
     return sides
 
 
+def open_edges(faces: Sequence[Face]) -> list[Edge]:
+    """The edges that one face only has."""
+    return [edge for edge, beside in sides_of(faces).items() if len(beside) == 1]
+
+
 def _divided(faces: list[Face], places: Floats, near: float) -> list[Face]:
     """Faces whose open edges are divided by the vertices of others that lie on them."""
-    open_edges = [edge for edge, beside in _sides(faces).items() if len(beside) == 1]
-    if not open_edges:
+    border = open_edges(faces)
+    if not border:
         return faces
-    ends = np.unique(open_edges)
+    ends = np.unique(border)
     between: dict[Edge, list[int]] = {}
-    for low, high in open_edges:
+    for low, high in border:
         along = places[high] - places[low]
         length = float(np.linalg.norm(along))
         arms = places[ends] - places[low]
@@ -208,18 +191,18 @@ def _divided(faces: list[Face], places: Floats, near: float) -> list[Face]:
     divided = []
     for face in faces:
         whole: list[int] = []
-        for one, other in _edges(face):
+        for one, other in edges_of(face):
             more = between.get((min(one, other), max(one, other)), [])
             whole += [one, *(more if one < other else more[::-1])]
         divided.append(tuple(whole))
     return divided
 
 
-def _connected(
+def connected(
     faces: Sequence[Face], fits: Callable[[Face, Face], bool] = lambda one, other: True
 ) -> list[list[Face]]:
     """Groups of ``faces``, in their order: linked by edges of two of them that ``fits`` takes."""
-    both = [(beside[0][0], beside[1][0]) for beside in _sides(faces).values() if len(beside) == 2]
+    both = [(beside[0][0], beside[1][0]) for beside in sides_of(faces).values() if len(beside) == 2]
     pairs = [(one, other) for one, other in both if fits(faces[one], faces[other])]
     label = grouped(len(faces), np.array(pairs, int).reshape(-1, 2))
     groups: dict[int, list[Face]] = {}
@@ -228,43 +211,7 @@ def _connected(
     return list(groups.values())
 
 
-def _in_order(faces: Sequence[Face]) -> list[list[Face]]:
-    """Closed surfaces that follow each other; none if that is not how ``faces`` are written."""
-    found: list[list[Face]] = []
-    surface: list[Face] = []
-    once: set[Edge] = set()  # edges that an odd number of faces have
-    for face in faces:
-        surface.append(face)
-        for one, other in _edges(face):
-            once ^= {(min(one, other), max(one, other))}
-        if not once:
-            if len(_once(surface)) < 4:
-                return []
-            found.append(surface)
-            surface = []
-    return [] if surface else found
-
-
-def _with_cavities(surfaces: list[list[Face]], places: Floats) -> list[list[Face]]:
-    """Surfaces, those within an odd number of others as part of the smallest of these."""
-    corners = [places[sorted({v for face in each for v in face})] for each in surfaces]
-    low = np.array([each.min(axis=0) for each in corners])
-    high = np.array([each.max(axis=0) for each in corners])
-    bodies = {number: list(surface) for number, surface in enumerate(surfaces)}
-    for number, around in enumerate(corners):
-        boxes = (low < low[number]).all(axis=1) & (high > high[number]).all(axis=1)
-        outside = [
-            int(k)
-            for k in np.flatnonzero(boxes)
-            if all(_is_inside(point, surfaces[k], places) for point in around)
-        ]
-        if len(outside) % 2:
-            smallest = min(outside, key=lambda k: float(np.prod(high[k] - low[k])))
-            bodies[smallest] += bodies.pop(number)
-    return list(bodies.values())
-
-
-def _is_inside(point: Floats, faces: Sequence[Face], places: Floats) -> bool:
+def is_inside(point: Floats, faces: Sequence[Face], places: Floats) -> bool:
     """Whether a ``point`` (m) is in what closed ``faces`` bound, which may be turned either way."""
     one, two, three = np.moveaxis(places[fans(faces)] - point, 1, 0)  # van Oosterom and Strackee
     a, b, c = (np.linalg.norm(each, axis=1) for each in (one, two, three))
@@ -277,19 +224,21 @@ def _is_inside(point: Floats, faces: Sequence[Face], places: Floats) -> bool:
 def _outwards(name: str, faces: list[Face], places: Floats) -> list[Face]:
     """Closed faces with their vertices anticlockwise seen from outside; ValueError."""
     same: list[Edge] = []  # faces as they are have even numbers, turned ones odd numbers
-    for (one, other), sides in _sides(faces).items():
-        if len(sides) != 2:
+    for (one, other), sides in sides_of(faces).items():
+        if len(sides) % 2:
             ends = [", ".join(f"{value:.6g}" for value in places[end]) for end in (one, other)]
-            fault = (
-                f"is of {len(sides)} faces: bodies that touch there must be objects of their own"
-            )
+            fault = f"is of {len(sides)} faces: bodies there must be objects of their own"
             if len(sides) == 1:
                 fault = "is of one face only: close the hole there"
+                if _is_flat(faces, places):
+                    fault = "is of one face only: only a block that cannot move may be flat"
             where = f"the edge between ({ends[0]}) and ({ends[1]})"
             raise ValueError(f"{name}: its faces must close a volume; {where} {fault}")
-        (first, along), (second, back) = sides
-        against = along == back
-        same += [(2 * first, 2 * second + against), (2 * first + 1, 2 * second + 1 - against)]
+        # Where a body touches itself, neighbours about the edge bound the body or a gap.
+        around = sides if len(sides) == 2 else _around((one, other), sides, faces, places)
+        for (first, along), (second, back) in pairwise(around):
+            against = along == back
+            same += [(2 * first, 2 * second + against), (2 * first + 1, 2 * second + 1 - against)]
     label = grouped(2 * len(faces), np.array(same, int).reshape(-1, 2)).reshape(-1, 2)
     _, start, of = np.unique(label.min(axis=1), return_index=True, return_inverse=True)
     turned = label[:, 0] != label[start[of], 0]
@@ -298,13 +247,29 @@ def _outwards(name: str, faces: list[Face], places: Floats) -> list[Face]:
     for part in parts:
         others = [[ordered[k] for k in each] for each in parts if each is not part]
         point = places[ordered[part[0]][0]]
-        hollow = sum(_is_inside(point, each, places) for each in others) % 2 == 1
+        hollow = sum(is_inside(point, each, places) for each in others) % 2 == 1
         triangles = places[fans([ordered[k] for k in part])]
         volume = np.linalg.det(triangles - places[list(ordered[part[0]])].mean(axis=0)).sum()
         if (volume < 0.0) != hollow:
             for k in part:
                 ordered[k] = ordered[k][::-1]
     return ordered
+
+
+def _around(
+    edge: Edge, sides: Sequence[tuple[int, bool]], faces: Sequence[Face], places: Floats
+) -> list[tuple[int, bool]]:
+    """The ``sides`` of an ``edge`` in the order of their faces about it."""
+    along = places[edge[1]] - places[edge[0]]
+    axes = np.array(tangents(along / np.linalg.norm(along)))
+
+    def angle(side: tuple[int, bool]) -> float:
+        number, forwards = side
+        inwards = np.cross(normal_of(places[list(faces[number])]), along if forwards else -along)
+        x, y = axes @ inwards
+        return math.atan2(y, x)
+
+    return sorted(sides, key=angle)
 
 
 def _in_planes(name: str, faces: list[Face], places: Floats, size: float) -> list[Face]:
@@ -319,7 +284,7 @@ def _in_planes(name: str, faces: list[Face], places: Floats, size: float) -> lis
         away = np.abs((other - one.mean(axis=0)) @ normal).max()
         return float(normal @ normal_of(other)) > 0.0 and bool(away <= FLAT * size)
 
-    groups = _connected(faces, in_one_plane)
+    groups = connected(faces, in_one_plane)
     require_few_faces(name, len(groups))
     if len(groups) == len(faces):
         return faces
@@ -331,7 +296,7 @@ def _outline(faces: list[Face], places: Floats, size: float) -> list[Face]:
     """The outline of faces; these themselves if it has a hole or is not plane."""
     if len(faces) == 1:
         return faces
-    edges = {edge for face in faces for edge in _edges(face)}
+    edges = {edge for face in faces for edge in edges_of(face)}
     border = [(a, b) for a, b in edges if (b, a) not in edges]
     onward, outline = dict(border), [min(a for a, _ in border or edges)]
     while len(outline) < len(border) and (after := onward[outline[-1]]) != outline[0]:

@@ -309,7 +309,7 @@ class StructureFile(Keys):
             found["friction"] = f"{INTERFACE.friction:g}"
         if any("density" not in each.model_fields_set for each in free):
             found["density"] = f"{FileSection.model_fields['density'].default:g} kg/m3"
-        if any(each.length is None and not each.file.endswith(".3dm") for each in files):
+        if any(each.length is None and not each.has_unit for each in files):
             found["unit"] = "m"
         return found
 
