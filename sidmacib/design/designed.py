@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import bond_fails
 from sidmacib.design import Choice, Layout
-from sidmacib.design.blocking import Order, conflict, order_of
+from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of
 from sidmacib.design.file import DesignSection, Task, designed, load_cases
 from sidmacib.design.model import DesignProblem, LoadCase
@@ -32,6 +32,7 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import limit_state
 from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.structure.loads import naming_permanent
+from sidmacib.structure.placing import Order
 from sidmacib.structure.structure import refined
 
 DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"
