@@ -1,6 +1,7 @@
 """Blocks as solids: closed, of the model's volume, apart by the clearance, and their files."""
 
 import io
+import json
 import math
 import re
 import sys
@@ -31,6 +32,7 @@ from sidmacib.build import (
     solids,
 )
 from sidmacib.build.files import obj_text, step, stl, threemf
+from sidmacib.build.placing import order_of
 from sidmacib.build.sheet import draw_sheet, spelled
 from sidmacib.build.views import cut_place, section, view
 from sidmacib.joint import Joint, OwnLock, Side
@@ -297,3 +299,85 @@ def test_step_says_which_package_it_needs(tmp_path: Path, monkeypatch: pytest.Mo
         "--step: needs the package cadquery-ocp-novtk: pip install '.[step]' in the clone"
         in done.output
     )
+
+
+def held(**more: object) -> dict[str, object]:
+    """A block between two fixed ones; ``more``: as of the file."""
+    blocks = {
+        "base": {"low": [0, 0, -0.3], "high": [3, 0.5, 0], "fixed": True},
+        "left": {"low": [0, 0, 0], "high": [1, 0.5, 0.5], "fixed": True},
+        "mid": {"low": [1, 0, 0], "high": [2, 0.5, 0.5]},
+        "right": {"low": [2, 0, 0], "high": [3, 0.5, 0.5], "fixed": True},
+    }
+    return {"blocks": blocks, **more}
+
+
+def locks(*pair: str, row: list[int]) -> dict[str, object]:
+    return {"between": list(pair), "count": 3, "height": 0.03, "row": row}
+
+
+ALONG_Y = [locks("left", "mid", row=[0, 0, 1]), locks("mid", "right", row=[0, 0, 1])]
+
+
+@pytest.mark.parametrize("condensed", [False, True])
+def test_a_block_goes_in_where_its_locks_run(condensed: bool) -> None:
+    rows = [{**each, **({"condensed": {"working": 2}} if condensed else {})} for each in ALONG_Y]
+    order = order_of(*blocks_and_rows(held()))
+    assert order.steps == {2: (0.0, 0.0, -1.0)}
+    order = order_of(*blocks_and_rows(held(locks=rows)))
+    assert np.abs(order.steps[2]) == pytest.approx([0.0, 1.0, 0.0])
+
+
+def test_blocks_are_written_that_cannot_be_put_in_but_with_a_word(tmp_path: Path) -> None:
+    text = held(locks=[*ALONG_Y, locks("base", "mid", row=[0, 1, 0])])
+    (tmp_path / "a.yaml").write_text(json.dumps(text))
+    found = run("build", str(tmp_path / "a.yaml"), "-o", str(tmp_path / "out"))
+    assert found.exit_code == 1
+    assert "mid cannot be put in" in found.stderr
+    rows = pd.read_csv(tmp_path / "out" / "blocks.csv")
+    assert rows["step"].fillna(-1).tolist() == [0, 0, -1, 0]
+
+
+def test_blocks_move_into_place_in_order_through_nothing_that_is_there() -> None:
+    blocks, rows, near = arch()
+    found = solids(blocks, rows, near=near)
+    order = order_of(blocks, rows, near)
+    there = [each for each, block in zip(found, blocks, strict=True) if block.fixed]
+    assert sorted([*order.steps, *(each.number - 1 for each in there)]) == [*range(len(found))]
+    by = 0.01
+    for number, way in order.steps.items():
+        before = found[number].manifold.translate(tuple(-by * x for x in way))
+        for other in there:
+            area = min(found[number].manifold.surface_area(), other.manifold.surface_area())
+            assert common_volume(before, other.manifold) <= 1e-3 * by * area
+        there.append(found[number])
+
+
+def test_a_pose_takes_the_stl_file_to_its_place_and_the_centre_is_that_of_mass(
+    tmp_path: Path,
+) -> None:
+    assert run("build", str(ARCH), "-o", str(tmp_path)).exit_code == 0
+    blocks, rows, near = arch()
+    found = solids(blocks, rows, near=near)
+    table = pd.read_csv(tmp_path / "blocks.csv")
+    for solid, row in zip(found, table.to_dict("records"), strict=True):
+        (path,) = (tmp_path / "stl").glob(f"{solid.number}-*")
+        mesh = trimesh.load(path)
+        mesh.apply_transform(np.reshape(row["pose"].split(), (4, 4)).astype(float))
+        assert mesh.bounds == pytest.approx(
+            1e3 * np.array([solid.places.min(axis=0), solid.places.max(axis=0)]), abs=1e-3
+        )
+        centre = [row[f"centre_{axis}_mm"] for axis in "xyz"]
+        assert centre == pytest.approx(mesh.center_mass, abs=1e-3)
+
+
+@pytest.mark.parametrize(("off", "told"), [(3e-7, False), (9e-5, True)])
+def test_what_the_tolerance_takes_as_touching_is_built(
+    off: float, told: bool, tmp_path: Path
+) -> None:
+    text = held(tolerance=1e-4)
+    text["blocks"]["mid"]["high"][0] += off  # type: ignore[index]
+    (tmp_path / "a.yaml").write_text(json.dumps(text))
+    found = run("build", str(tmp_path / "a.yaml"), "-o", str(tmp_path / "out"))
+    assert found.exit_code == 0
+    assert ("overlap by" in found.stderr) == told

@@ -10,8 +10,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import manifold3d
 import numpy as np
@@ -25,7 +25,7 @@ from sidmacib.structure.cutting import Plane, cut
 from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
 from sidmacib.structure.interfaces import NEAR, interfaces, mean_size
 from sidmacib.structure.locks import LockPart, Locks, Row, cut_rows
-from sidmacib.structure.overlaps import common_volume, solid_of
+from sidmacib.structure.overlaps import common_volume, meeting_boxes, solid_of
 from sidmacib.structure.structure import Pair, rows_of
 from sidmacib.validation import refused
 
@@ -86,6 +86,13 @@ class Solid:
         """In kg."""
         return self.density * self.volume
 
+    @property
+    def centre(self) -> Floats:
+        """Of mass, in m, (3,)."""
+        middle = self.places.mean(axis=0)
+        corners = self.places[self.triangles] - middle
+        return np.asarray(middle + np.linalg.det(corners) @ corners.mean(axis=1) / self.volume / 8)
+
 
 def solids(
     blocks: Sequence[Block],
@@ -137,7 +144,7 @@ def solids(
         locked = any(block.name in pair for pair in rows)
         every = [*parts_of, *locks[block.name]] if locked else []
         made.append(_united(number, block, every))
-    require_apart(made, {block.name for block in blocks if block.fixed})
+    require_apart(made, {block.name for block in blocks if block.fixed}, near)
     return tuple(made)
 
 
@@ -223,19 +230,20 @@ def _welded(places: Floats, triangles: Integers) -> tuple[Floats, Integers]:
     return places[np.unique(group, return_index=True)[1]], merged[real]
 
 
-def require_apart(made: Sequence[Solid], fixed: set[str]) -> None:
-    """ValueError, with their names, for two solids that share more than `SHARED`.
+def require_apart(made: Sequence[Solid], fixed: set[str], near: float) -> None:
+    """ValueError, with their names, for two solids that share more than `SHARED` and a layer.
 
-    Two that are ``fixed`` may, as in the model.
+    The layer is ``near`` (m) thick, on the smaller one: what `interfaces` takes as touching. Two
+    that are ``fixed`` may, as in the model.
     """
-    low = [each.places.min(axis=0) for each in made]
-    high = [each.places.max(axis=0) for each in made]
-    for one, other in combinations(range(len(made)), 2):
-        near = (low[one] <= high[other]).all() and (low[other] <= high[one]).all()
+    low = np.array([each.places.min(axis=0) for each in made])
+    high = np.array([each.places.max(axis=0) for each in made])
+    for one, other in meeting_boxes(low, high).tolist():
         first, second = made[one], made[other]
-        if not near or {first.name, second.name} <= fixed:
+        if {first.name, second.name} <= fixed:
             continue
         most = SHARED * min(first.volume, second.volume)
+        most += near * min(each.manifold.surface_area() for each in (first, second))
         if (shared := common_volume(first.manifold, second.manifold, most)) > most:
             words = f"{first.name} and {second.name} would share {shared:g} m3"
             raise ValueError(f"blocks: {words}")
@@ -329,12 +337,12 @@ def _alike(one: Solid, other: Solid) -> bool:
 LOWER, UPPER = "lower", "upper"
 
 
-def blocks_of_file(path: Path) -> Found | None:
+def blocks_of_file(path: Path, more: Mapping[str, Any] | None = None) -> Found | None:
     """The blocks of a structure's file and where its locks are; None if it describes a joint.
 
-    ValueError, or `sidmacib.yaml_text.TextError`, if it is neither.
+    ``more``: as in `description_in`, which see for errors.
     """
-    description = description_in(path)
+    description = description_in(path, more)
     if isinstance(description, dict) and "blocks" not in description:
         return None
     return blocks_and_rows(description, path.parent)

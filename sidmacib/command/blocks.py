@@ -234,6 +234,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     help="Kind of the drawings.",
 )
 @click.option("--step", is_flag=True, help="Write STEP too; needs multilock[step].")
+@click.option("--fixed", help="Blocks of a file of blocks that are there before the others.")
 @format_option
 def build(
     source: Path | None,
@@ -243,14 +244,15 @@ def build(
     unit: str,
     drawings: str,
     step: bool,
+    fixed: str | None,
     form: str,
     push: str,
     **flags: Any,
 ) -> None:
     """Write the blocks with their locks as closed solids.
 
-    As STL, 3MF and OBJ, on request as STEP, with a table of volumes and masses and drawings of
-    each kind of block.
+    As STL, 3MF and OBJ, on request as STEP, with drawings of each kind of block, and a table with
+    the order in which blocks can be put in place. The exit status is 1 if some cannot.
 
     FILE is a structure as for assembly, with or without a load, or a joint's file. Without FILE
     the options describe a joint. Each lock is added to its own block and cut out of the other;
@@ -259,10 +261,20 @@ def build(
     """
     with refused_in_one_line(), status_line() as progress:
         from sidmacib.build import Clearance, blocks_of_file, joint_blocks, kinds, solids
-        from sidmacib.command.build import clearance_note, table, write_all
+        from sidmacib.build.placing import order_of
+        from sidmacib.command.build import (
+            clearance_note,
+            overlap_note,
+            stuck_note,
+            table,
+            write_all,
+        )
+        from sidmacib.command.structures import added_keys
 
         given = [name for name, value in flags.items() if value is not None]
-        found = None if source is None else blocks_of_file(source)
+        if fixed is not None and source is None:
+            raise click.UsageError("--fixed: is for a file of blocks")
+        found = None if source is None else blocks_of_file(source, added_keys(fixed=fixed))
         if found is None:
             if source is not None and flags["file"] is not None:
                 raise click.UsageError("--file: must not be given beside FILE, which is a joint's")
@@ -273,8 +285,13 @@ def build(
         gaps = Clearance(clearance, head_clearance)
         blocks, rows, near = found
         made = solids(blocks, rows, gaps, near)
-        if note := clearance_note(rows.values(), clearance):
-            click.echo(f"Note: {note}", err=True)
-        of = kinds(made)
-        write_all(made, of, rows, gaps, output, unit, drawings, step, progress)
-    click.echo(text_of(table(made, of, unit), form))
+        for note in (clearance_note(rows.values(), clearance), overlap_note(blocks)):
+            if note:
+                click.echo(f"Note: {note}", err=True)
+        of, order = kinds(made), order_of(blocks, rows, near)
+        full = table(made, of, order, unit)
+        write_all(made, of, full, rows, gaps, output, unit, drawings, step, progress)
+    brief = table(made, of, order, unit, full=False)
+    click.echo(text_of(brief if form == "table" else full, form))
+    if order.stuck:
+        raise click.ClickException(stuck_note(blocks, order))

@@ -27,11 +27,11 @@ LARGE = 2000  # contact nodes of a structure: of a larger one, results are told 
 
 def added_keys(
     *,
-    fixed: str | None,
-    layers: str | None,
-    friction: str | None,
-    tolerance: str | None,
-    from_file: bool,
+    fixed: str | None = None,
+    layers: str | None = None,
+    friction: str | None = None,
+    tolerance: str | None = None,
+    from_file: bool = False,
     **of_blocks: object,
 ) -> dict[str, Any]:
     """Options of the command as keys of a structure's file: those that are given."""

@@ -77,7 +77,7 @@ def structure(
         allowed = "two blocks without locks, which have materials of their own"
         raise refused("special", " and ".join(sorted(pair)), allowed)
     rows = rows_of(blocks, locked or {}, found)
-    parts = _parts(blocks, rows)
+    parts = parts_of(blocks, rows)
     pieces = tuple(part.piece for part in parts)
     solids = [(number, each) for number, piece in enumerate(pieces) for each in solids_of(piece)]
     if len(solids) > len(blocks):
@@ -166,7 +166,7 @@ def _require_touching(key: str, given: Iterable[Pair], pairs: Sequence[Pair]) ->
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """A piece that blocks are cut into, and the name of the block that it belongs to.
 
     ``row``: of a lock the pair of its blocks.
@@ -177,11 +177,11 @@ class _Part:
     row: Pair | None = None
 
 
-def _parts(blocks: Sequence[Block], rows: Mapping[Pair, Row]) -> list[_Part]:
+def parts_of(blocks: Sequence[Block], rows: Mapping[Pair, Row]) -> list[Part]:
     """``blocks`` with the locks of ``rows`` that are not condensed cut out."""
     cut = {pair: row for pair, row in rows.items() if not row.locks.condensed}
     left, parts = cut_rows(blocks, cut.values())
-    found = [_Part(_piece(name, solids), name) for name, solids in left.items()]
+    found = [Part(_piece(name, solids), name) for name, solids in left.items()]
     density = {block.name: block.density for block in blocks}
     for (pair, row), (in_below, in_above) in zip(cut.items(), parts, strict=True):
         below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
@@ -196,7 +196,7 @@ def _parts(blocks: Sequence[Block], rows: Mapping[Pair, Row]) -> list[_Part]:
             ]
             if not own:
                 raise ValueError(f"{name}: has no part of the blocks; use fewer locks")
-            found.append(_Part(_piece(name, own), owner, pair))
+            found.append(Part(_piece(name, own), owner, pair))
     return found
 
 
@@ -206,7 +206,7 @@ def _piece(name: str, solids: Sequence[Block]) -> Block | Compound:
 
 def _faces(
     found: Sequence[Interface],
-    parts: Sequence[_Part],
+    parts: Sequence[Part],
     material: FaceMaterial,
     special: Mapping[Pair, FaceMaterial],
     rows: Mapping[Pair, Row],
