@@ -7,7 +7,10 @@ from typing import Any
 import yaml
 from click.testing import CliRunner, Result
 
+from sidmacib.command import output
 from sidmacib.command.main import main
+
+output.PATIENCE = 3600.0  # functions may have to be compiled first
 
 
 def run(*arguments: str) -> Result:

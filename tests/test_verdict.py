@@ -19,7 +19,7 @@ from sidmacib.answers.answer import LIMIT, STATIC, Answer
 from sidmacib.answers.said import of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.verdict import verdict
-from sidmacib.command import structures
+from sidmacib.command import output
 from sidmacib.command.options import units_option
 from sidmacib.command.output import say
 from sidmacib.errors import CapacityError, UnboundedError
@@ -137,14 +137,20 @@ def test_what_is_assumed_of_a_mesh_is_said(options: tuple[str, ...], note: str) 
     assert found.stderr == note
 
 
-def test_a_large_structure_tells_results_early(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_takes_long_tells_what_it_does(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not assembly(path, {**CUBE, "load": PUSH}).stderr
-    monkeypatch.setattr(structures, "LARGE", 0)
+    monkeypatch.setattr(output, "PATIENCE", 0.0)
     loaded, still = (
         run("assembly", str(path)).stderr,
         run("assembly", str(path), "--reserve").stderr,
     )
-    for words in ("limit analysis ...", "limit: ", "static model ...", "without dilation ..."):
+    for words in (
+        "reading ",
+        "limit analysis ...",
+        "limit: ",
+        "static model ...",
+        "without dilation ...",
+    ):
         assert words in loaded
     for words in ("stands in limit analysis", "falls at ", "geometrical safety factor ..."):
         assert words in still

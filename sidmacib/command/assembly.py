@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sidmacib.answers.ask import Solved, limit_of, static_of
+from sidmacib.answers.ask import Solved, Tell, limit_of, static_of
 from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.answers.structure_paths import LOWER
 from sidmacib.answers.verdict import lower_first
@@ -39,7 +39,6 @@ from sidmacib.command.structures import (
     note_turned,
     structure_rows,
     support_rows,
-    telling,
     write_curve,
 )
 from sidmacib.errors import CapacityError, InfeasibleError
@@ -73,7 +72,7 @@ class Wanted:
     ``form``: of the table; ``interfaces``: their forces in place of loads; ``case``: one load case;
     ``without_load``: the reserve in place of the file's loads; ``factors``: partial ones;
     ``engines``: others that are asked where a support moves; and the files to be written.
-    ``notes``: on what looks wrong.
+    ``notes``: on what looks wrong; ``tell``: is told what is done.
     """
 
     file: Path
@@ -93,6 +92,7 @@ class Wanted:
     seismic: bool
     engines: Sequence[str]
     notes: Sequence[str] = ()
+    tell: Tell = str
 
     @property
     def still(self) -> Path | None:
@@ -200,8 +200,7 @@ def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
     """The verdict on all load cases; the one that governs is drawn and noted."""
     others = "interfaces", "compas", "capacity_curve"
     wanted.refuse("needs --case, as the file has load_cases", *others)
-    with status_line() as progress:
-        rows, found, governs = case_rows(demands, progress)
+    rows, found, governs = case_rows(demands, wanted.tell)
     say(str(found), wanted.form)
     wanted.show(rows, **found.told)
     if wanted.draws:
@@ -213,7 +212,7 @@ def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
 def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
     """What there is in reserve without a load; drawn under the acceleration that fells it first."""
     wanted.refuse("needs a load", "interfaces", "compas", "capacity_curve")
-    rows, words, passes, weakest = reserve_rows(demand.problem)
+    rows, words, passes, weakest = reserve_rows(demand.problem, wanted.tell)
     say(words, wanted.form)
     wanted.show(rows, verdict=words.partition(":")[0].lower(), answer=words)
     if wanted.draws:
@@ -279,7 +278,7 @@ def _load_passes(wanted: Wanted, demand: Demand) -> bool:
     """Loads, and the verdict if one is to be carried; or forces of interfaces."""
     problem = demand.problem
     rows: list[Row] = []
-    tell = telling(problem)
+    tell = wanted.tell
     limit = limit_of(problem, tell)
     if isinstance(limit, InfeasibleError):
         note_turned(wanted.description, wanted.file.parent)
@@ -312,7 +311,7 @@ def _load_passes(wanted: Wanted, demand: Demand) -> bool:
     return verdict is None or verdict.passes
 
 
-def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
+def reserve_rows(problem: Problem, tell: Tell = str) -> tuple[list[Row], str, bool, Vector]:
     """What a structure has in reserve without a load, the verdict, and whether it stands.
 
     And the direction of the acceleration that fells it first, or x.
@@ -323,7 +322,7 @@ def reserve_rows(problem: Problem) -> tuple[list[Row], str, bool, Vector]:
         return [dict(zip(head, each, strict=True)) for each in cells]
 
     try:
-        found = reserve(problem, telling(problem))
+        found = reserve(problem, tell)
     except CapacityError as error:
         said = "No" if isinstance(error, InfeasibleError) else "Open"
         rows = table(("limit", "stands", None, str(error)))

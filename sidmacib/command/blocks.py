@@ -28,6 +28,7 @@ from sidmacib.command.output import (
     refused_in_one_line,
     status_line,
     text_of,
+    told_late,
     with_version,
 )
 from sidmacib.quantities import Number
@@ -129,7 +130,8 @@ def assembly(file: Path, **options: Any) -> None:
     geometrical safety factor, and the horizontal acceleration at which it falls. The exit status is
     1 if no model has a result, or if the verdict is no.
     """
-    with refused_in_one_line():
+    with refused_in_one_line(), told_late() as tell:
+        tell(f"reading {file.name} ...")
         from sidmacib.command.assembly import Wanted, passes
         from sidmacib.command.structures import added_keys
         from sidmacib.scene.page import plotly_js
@@ -149,7 +151,8 @@ def assembly(file: Path, **options: Any) -> None:
             added_keys(**options),
             lambda name: click.echo(f"Note: {name} is not read, as it has blocks itself", err=True),
         )
-        if not passes(Wanted(file=file, description=description, factors=factors, **own)):
+        wanted = Wanted(file=file, description=description, factors=factors, tell=tell, **own)
+        if not passes(wanted):
             sys.exit(1)
 
 
@@ -259,7 +262,7 @@ def build(
     clearance makes locks smaller. Ends with an error if a solid would not be closed, or would
     overlap another.
     """
-    with refused_in_one_line(), status_line() as progress:
+    with refused_in_one_line(), told_late() as tell, status_line() as progress:
         from sidmacib.build import Clearance, blocks_of_file, joint_blocks, kinds, solids
         from sidmacib.build.placing import order_of
         from sidmacib.command.build import (
@@ -274,6 +277,7 @@ def build(
         given = [name for name, value in flags.items() if value is not None]
         if fixed is not None and source is None:
             raise click.UsageError("--fixed: is for a file of blocks")
+        tell("reading ...")
         found = None if source is None else blocks_of_file(source, added_keys(fixed=fixed))
         if found is None:
             if source is not None and flags["file"] is not None:
@@ -284,10 +288,12 @@ def build(
             raise click.UsageError(f"{flag_of(given[0])}: is for a joint; {source} is a structure")
         gaps = Clearance(clearance, head_clearance)
         blocks, rows, near = found
+        tell(f"cutting {len(blocks):,} blocks ...")
         made = solids(blocks, rows, gaps, near)
         for note in (clearance_note(rows.values(), clearance), overlap_note(blocks)):
             if note:
                 click.echo(f"Note: {note}", err=True)
+        tell("order of placing, kinds and drawings ...")
         of, order = kinds(made), order_of(blocks, rows, near)
         full = table(made, of, order, unit)
         write_all(made, of, full, rows, gaps, output, unit, drawings, step, progress)

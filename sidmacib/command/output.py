@@ -7,6 +7,7 @@ import json
 import math
 import re
 import sys
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("table", "json", "csv")
+PATIENCE = 5.0  # s
 SENTENCES = ("note", "notes", "answer")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
 # Of models, as in the figures of studies.
@@ -182,6 +184,29 @@ def status_line() -> Iterator[Callable[[str], object]]:
         yield show
     finally:
         show("")
+
+
+@contextmanager
+def told_late() -> Iterator[Callable[[str], object]]:
+    """A function that tells, on standard error, what is done, if that takes `PATIENCE` or more."""
+    told: list[str] = []
+    lock, late = threading.Lock(), False
+
+    def tell(*words: str) -> None:
+        nonlocal late
+        with lock:
+            told.extend(words)
+            late = late or not words  # from the timer
+            while late and told:
+                click.echo(told.pop(0), err=True)
+
+    timer = threading.Timer(PATIENCE, tell)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield tell
+    finally:
+        timer.cancel()
 
 
 @contextmanager

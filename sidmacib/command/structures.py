@@ -22,8 +22,6 @@ from sidmacib.structure.analysis.supports import joints_in_words, support_answer
 from sidmacib.structure.files.structure_file import Demand, demands_of
 from sidmacib.structure.loads import SupportMotion, free_weight
 
-LARGE = 2000  # contact nodes of a structure: of a larger one, results are told as they come
-
 
 def added_keys(
     *,
@@ -60,13 +58,6 @@ def note_turned(description: Mapping[str, Any], folder: Path) -> None:
             continue
         click.echo(f"Note: it stands with up: {up} (on the command line --up {up})", err=True)
         return
-
-
-def telling(problem: Problem) -> Tell:
-    """A function that tells, on standard error, what is found of a large structure."""
-    if len(problem.assembly.nodes.area) <= LARGE:
-        return str
-    return lambda words: click.echo(words, err=True)
 
 
 def structure_rows(solved: Solved, tell: Tell = str) -> list[Row]:
