@@ -301,6 +301,18 @@ def test_step_says_which_package_it_needs(tmp_path: Path, monkeypatch: pytest.Mo
     )
 
 
+def test_voussoirs_of_rounded_corners_are_of_one_kind_if_asked() -> None:
+    blocks = []
+    for k in range(9):
+        around = [(1.0, k), (1.2, k), (1.2, k + 1), (1.0, k + 1)]
+        turns = [(r * np.cos(np.pi * j / 9), r * np.sin(np.pi * j / 9)) for r, j in around]
+        outline = [(round(x, 3), 0.0, round(z, 3)) for x, z in turns]
+        blocks.append(prism(f"b{k}", outline, (0.0, 0.5, 0.0), 2e3))
+    plain = solids([*blocks, prism("cut", [(3, 0, 0), (4, 0, 0), (3, 0, 1)], (0, 1, 0), 2e3)], {})
+    assert len(kinds(plain)) > 2
+    assert len(kinds(plain, 2e-3)) == 2
+
+
 def held(**more: object) -> dict[str, object]:
     """A block between two fixed ones; ``more``: as of the file."""
     blocks = {

@@ -258,15 +258,15 @@ class Kind:
     drawn: Solid
 
 
-def kinds(solids: Sequence[Solid]) -> tuple[Kind, ...]:
+def kinds(solids: Sequence[Solid], alike: float = 0.0) -> tuple[Kind, ...]:
     """The kinds of ``solids``, named A, B and so on, in the order of their first ones.
 
-    A mirror image is a kind of its own.
+    A mirror image is a kind of its own. ``alike``: how far (m) corners of one kind may be apart.
     """
     found: list[Kind] = []
     for each in solids:
         upright = laid(each, own_axes(each))
-        kind = next((kind for kind in found if _alike(kind.drawn, upright)), None)
+        kind = next((kind for kind in found if _alike(kind.drawn, upright, alike)), None)
         if kind is None:
             found.append(Kind(letters(len(found)), [each], upright))
         else:
@@ -320,18 +320,28 @@ def own_axes(solid: Solid) -> Floats:
     return np.array([x, np.cross(up, x), up])
 
 
-def _alike(one: Solid, other: Solid) -> bool:
+def _alike(one: Solid, other: Solid, apart: float) -> bool:
     """Whether a turn takes ``other`` to ``one``, both from their lowest coordinates."""
-    if abs(one.volume - other.volume) > ALIKE * one.volume:
-        return False
     size = one.places.max(axis=0)
+    near = max(ALIKE * size.max(), apart)
+    most = ALIKE * one.volume + apart * one.manifold.surface_area()
+    if abs(one.volume - other.volume) > most:
+        return False
     for turn in TURNS:
         turned = laid(other, turn)
-        if np.abs(turned.places.max(axis=0) - size).max() > ALIKE * size.max():
+        if np.abs(turned.places.max(axis=0) - size).max() > near:
             continue
-        if (one.manifold - turned.manifold).volume() <= ALIKE * one.volume:
+        # Within a layer as thick a lock may be hidden.
+        if apart and max(_farthest(one, turned), _farthest(turned, one)) > near:
+            continue
+        if (one.manifold - turned.manifold).volume() <= most:
             return True
     return False
+
+
+def _farthest(one: Solid, other: Solid) -> float:
+    """The largest distance (m) of a corner of ``one`` from the nearest of ``other``."""
+    return float(cKDTree(other.places).query(one.places)[0].max())
 
 
 LOWER, UPPER = "lower", "upper"

@@ -223,6 +223,12 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     help="Gap at the heads of locks, m.  [default: 0: the joint bears there]",
 )
 @click.option(
+    "--alike",
+    type=quantity(GAP),
+    default=0.0,
+    help="How far corners of blocks of one kind may differ, m.  [default: rounding]",
+)
+@click.option(
     "--unit",
     type=click.Choice(("mm", "m")),
     default="mm",
@@ -244,6 +250,7 @@ def build(
     output: Path,
     clearance: float,
     head_clearance: float,
+    alike: float,
     unit: str,
     drawings: str,
     step: bool,
@@ -294,7 +301,7 @@ def build(
             if note:
                 click.echo(f"Note: {note}", err=True)
         tell("order of placing, kinds and drawings ...")
-        of, order = kinds(made), order_of(blocks, rows, near)
+        of, order = kinds(made, alike), order_of(blocks, rows, near)
         full = table(made, of, order, unit)
         write_all(made, of, full, rows, gaps, output, unit, drawings, step, progress)
     brief = table(made, of, order, unit, full=False)
