@@ -81,12 +81,15 @@ def test_the_spectrum_is_continuous_and_flat_where_it_should_be(damping: float) 
 
 
 def test_the_command_says_no_with_its_equations(tmp_path: Path) -> None:
-    options = "--seismic", "--picture", str(tmp_path / "s.png")
+    files = "--picture", str(tmp_path / "s.png"), "--note", str(tmp_path / "note.html")
+    options = "--seismic", *files
     told = assembly(tmp_path / "wall.yaml", {**described(), "seismic": KEYS}, *options)
     assert told.exit_code == 1
     assert "No: the mechanism bears 0.08 m; the spectrum asks for 0.09807 m" in told.output
     assert "1.68 pi sqrt(d_SLV / a(d_SLV)) (C8.7.1.10)" in told.output
     assert (tmp_path / "s.png").stat().st_size > 10_000
+    note = (tmp_path / "note.html").read_text()
+    assert "NOT verified" in note and "(C8.7.1.10)" in note and "SHA-256" in note
 
 
 @pytest.mark.parametrize(

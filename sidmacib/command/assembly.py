@@ -32,7 +32,7 @@ from sidmacib.command.output import (
     text_of,
     write_text,
 )
-from sidmacib.command.seismic import answer, checked, seismic_picture, seismic_rows
+from sidmacib.command.seismic import answer, checked, seismic_note, seismic_picture, seismic_rows
 from sidmacib.command.structures import (
     curve_rows,
     force_rows,
@@ -100,6 +100,11 @@ class Wanted:
         return self.picture if self.capacity_curve is None else None
 
     @property
+    def command(self) -> str:
+        """The command line."""
+        return shlex.join(["multilock", *sys.argv[1:]])
+
+    @property
     def inputs(self) -> list[Path]:
         """The files that the description is from: the one given, YAML beside it, and meshes."""
         given, beside = [self.file], self.file.with_suffix(".yaml")
@@ -135,16 +140,15 @@ class Wanted:
         from sidmacib.scene.page import page
 
         views = Views.of(self.file, self.description, solved, self.notes, verdict, curve)
-        command = shlex.join(["multilock", *sys.argv[1:]])
         if self.report is not None:
-            write_text(page(*views.content(rows, command)), self.report, "--report")
+            write_text(page(*views.content(rows, self.command)), self.report, "--report")
         if self.still is not None:
             from sidmacib.scene.picture import picture
 
             title = f"{views.title}: {views.answer}"
             draw(curve or picture(views.models[0], views.shape, title), self.still)
         if self.note is not None:
-            note = structure_note(views, rows, command, self.inputs)
+            note = structure_note(views, rows, self.command, self.inputs)
             write_text(note, self.note, "--note")
 
     def refuse(self, words: str, *names: str) -> None:
@@ -248,21 +252,24 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
     if wanted.picture is not None:
         draw(drift_picture(answer, wanted.file.stem), wanted.picture)
     if wanted.report is not None:
-        command = shlex.join(["multilock", *sys.argv[1:]])
-        text = time_page(answer, wanted.file.stem, rows, wanted.notes, command)
+        text = time_page(answer, wanted.file.stem, rows, wanted.notes, wanted.command)
         write_text(text, wanted.report, "--report")
     return answer.said == "Yes"
 
 
 def _bears_earthquake(wanted: Wanted, problem: Problem) -> bool:
     """Whether the mechanism bears the displacement that the spectrum in the file asks for."""
-    wanted.refuse("must not be given beside --seismic", *OF_LOADS, "report", "history", "collapse")
+    others = "interfaces", "compas", "capacity_curve", "report", "history", "collapse"
+    wanted.refuse("must not be given beside --seismic", *others)
     found = checked(wanted.description, problem)
     bears, words = answer(found)
     say(words, wanted.form)
     wanted.show(seismic_rows(found), verdict="yes" if bears else "no", answer=words)
     if wanted.picture is not None:
         draw(seismic_picture(found, wanted.file.stem), wanted.picture)
+    if wanted.note is not None:
+        about = wanted.file.stem, wanted.notes, wanted.command, wanted.inputs
+        write_text(seismic_note(found, *about), wanted.note, "--note")
     return bears
 
 

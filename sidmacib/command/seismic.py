@@ -1,17 +1,21 @@
 """What the command `assembly` prints of the verification of a mechanism for an earthquake."""
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from sidmacib.command.answers import Row
-from sidmacib.command.output import plot
+from sidmacib.command.output import Appended, cell, plot
+from sidmacib.command.structure_views import KEPT, drawn_svg
 from sidmacib.drawing import BLUE, GREY, VERMILION
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits
+from sidmacib.scene.page import rendered
 from sidmacib.structure.analysis.kinematics import REACHED
 from sidmacib.structure.analysis.seismic import (
     BEHAVIOUR,
@@ -21,6 +25,7 @@ from sidmacib.structure.analysis.seismic import (
 )
 from sidmacib.structure.files.seismic import SeismicSection
 
+NOTE = Path(__file__).with_name("seismic_note.html.j2")
 MISSING = "seismic: missing; --seismic needs the spectrum, such as {ag: 0.15g, S: 1.2, TB: 0.15, "
 MISSING += "TC: 0.5, TD: 2}"
 
@@ -64,6 +69,34 @@ def seismic_rows(found: SeismicCheck) -> list[Row]:
         ("ratio, linear", found.ground / spectrum.ground, "over that ag"),
     )
     return [{"what": what, "value": value, "note": note} for what, value, note in told]
+
+
+def seismic_note(
+    found: SeismicCheck, title: str, notes: Sequence[str], command: str, inputs: Sequence[Path]
+) -> str:
+    """The note in HTML: ``notes``, what it was made by, and files that are appended."""
+    ratios = {"ratio": found.ratio, "ratio, linear": found.ground / found.spectrum.ground}
+    kept = {name: KEPT["yes" if ratio >= 1.0 else "no"] for name, ratio in ratios.items()}
+    curve, spectrum = found.curve, found.spectrum
+    periods = zip(("TB", "TC", "TD"), spectrum.corners, strict=True)
+    corners = ", ".join(f"{name} = {value:g} s" for name, value in periods)
+    hinges, slides = (", ".join(names) or "none" for names in (curve.hinges, curve.slides))
+    return rendered(
+        NOTE,
+        title=f"Calculation note: earthquake, {title}",
+        answer=answer(found)[1],
+        mechanism=f"Hinges: {hinges}. Sliding: {slides}",
+        drawing=drawn_svg(seismic_picture(found, title)),
+        spectrum=f"ag = {spectrum.ground:.4g} m/s2, S = {spectrum.soil:g}, "
+        f"F0 = {spectrum.amplification:g}, {corners}",
+        checks=[
+            (row["what"], row["note"], cell(row["value"]), kept.get(str(row["what"]), ""))
+            for row in seismic_rows(found)
+        ],
+        notes=notes,
+        command=command,
+        inputs=[*map(Appended.of, inputs)],
+    )
 
 
 def seismic_picture(found: SeismicCheck, title: str) -> Figure:

@@ -103,7 +103,7 @@ class Views:
             models=models,
             shape=shape,
             given=_given(description),
-            curve="" if curve is None else _svg(curve),
+            curve="" if curve is None else drawn_svg(curve),
         )
 
     @property
@@ -201,7 +201,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str, inputs: Sequ
         views=views,
         drawn=drawn,
         curve=views.curve,
-        drawing=_svg(picture(drawn, views.shape, "", WIDTH)),
+        drawing=drawn_svg(picture(drawn, views.shape, "", WIDTH)),
         blocks=[*_blocks(assembly.pieces[:MOST_ROWS])],
         more_blocks=len(assembly.pieces) - MOST_ROWS,
         laws=laws,
@@ -220,7 +220,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str, inputs: Sequ
     )
 
 
-def _svg(figure: "Figure") -> str:
+def drawn_svg(figure: "Figure") -> str:
     """The element of a ``figure`` for a page."""
     svg = io.StringIO()
     write_figure(figure, svg)
