@@ -33,7 +33,6 @@ from .mechanics.assembly import FaceMaterial as FaceMaterial
 from .mechanics.assembly import Loads as Loads
 from .mechanics.assembly import NodeLayout as NodeLayout
 from .mechanics.limit import limit_load as limit_load
-from .mechanics.limit_sensitivity import limit_derivatives as limit_derivatives
 from .mechanics.static import static_first_failure as static_first_failure
 from .mechanics.static import static_peak as static_peak
 from .mechanics.static.peaks import lowest_peak as lowest_peak
@@ -61,5 +60,4 @@ from .structure.analysis.seismic import seismic_check as seismic_check
 from .structure.analysis.supports import greatest_reaction as greatest_reaction
 from .structure.analysis.supports import least_reaction as least_reaction
 from .structure.analysis.supports import support_path as support_path
-from .structure.analysis.vertices import vertex_effects as vertex_effects
 from .structure.partial_factors import PartialFactors as PartialFactors

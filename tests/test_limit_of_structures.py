@@ -1,26 +1,20 @@
 """Limit analysis of structures: how they move, and those that gave solvers trouble."""
 
-from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from command_runner import answers
-from joints import sawn
-from structures import BLOCK, GROUND, dry, read_structure
+from structures import dry, read_structure
 
-from sidmacib import CapacityError, Direction, InfeasibleError, static_peak, vertex_effects
+from sidmacib import CapacityError, InfeasibleError, static_peak
 from sidmacib.errors import SolverError
-from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics import sliding
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial
+from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.mechanics.limit import limit_load, require_standing
-from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.problem import Problem
-from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
@@ -140,87 +134,3 @@ def test_condensed_locks_carry_no_more_than_locks_that_are_cut_out(count: int) -
     assert carried(count, {}) == carried(count, {"rule": "safe"})
     assert carried(count, {"working": "all"}) == pytest.approx(11_200, rel=1e-3)
     assert carried(count, {"working": count}) == pytest.approx(11_200, rel=1e-3)
-
-
-# --- derivatives of the limit load: against closed forms, and differences ------------------------
-GLUE = FaceMaterial(1e10, 1e10, 0.0, 5e3, 1e6)
-
-
-def pushed(blocks: Sequence[Block], material: FaceMaterial) -> Problem:
-    model = structure(blocks, material)
-    return Problem(model, acceleration(model, (1.0, 0.0, 0.0)))
-
-
-def with_material(model: Assembly, material: FaceMaterial) -> Assembly:
-    return replace(model, faces=tuple(replace(face, material=material) for face in model.faces))
-
-
-def by(problem: Problem, name: str, material: FaceMaterial, friction: bool = True) -> float | None:
-    """The derivative by a property of all interfaces."""
-    value = getattr(material, name)
-    sides = [
-        (with_material(problem.assembly, replace(material, **{name: each})), problem.loads)
-        for each in (value * 0.999, value * 1.001)
-    ]
-    change = Change(sides[0], sides[1], 0.002 * value, value)
-    return limit_derivatives(*problem, {name: change}, friction=friction).by[name]
-
-
-# --- strengths and friction ----------------------------------------------------------------------
-@pytest.mark.parametrize(("friction", "rise"), [(0.2, BLOCK.weight), (0.8, 0.0), (0.4, None)])
-def test_friction_adds_the_weight_where_blocks_slide(friction: float, rise: float | None) -> None:
-    """Nothing where it overturns; where it does both, there is no derivative."""
-    found = by(pushed([GROUND, BLOCK], dry(friction)), "friction", dry(friction))
-    assert found is None if rise is None else found == pytest.approx(rise, rel=1e-6, abs=1e-6)
-
-
-def test_a_bonded_block_carries_more_by_its_area_times_the_cohesion() -> None:
-    problem = pushed([GROUND, BLOCK], GLUE)
-    assert by(problem, "cohesion", GLUE) == pytest.approx(0.4 * 0.6, rel=1e-6)
-    assert by(problem, "tensile_strength", GLUE) == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize("name", ["cohesion", "tensile_strength", "bond_friction"])
-def test_strengths_of_a_bonded_arch_agree_with_differences(name: str) -> None:
-    material = FaceMaterial(1e10, 1e10, 0.0, 900.0, 700.0, bond_friction=0.35)
-    problem = pushed(arch(7, 0.2), material)
-    value, loads = getattr(material, name), []
-    for share in (0.94, 0.97, 1.03, 1.06):
-        changed = with_material(problem.assembly, replace(material, **{name: value * share}))
-        loads.append(limit_load(changed, problem.loads, friction=True).load)
-    central = (loads[0] - 8.0 * loads[1] + 8.0 * loads[2] - loads[3]) / (0.36 * value)
-    found, load = by(problem, name, material), limit_load(*problem, friction=True).load
-    assert found * value / load == pytest.approx(central * value / load, abs=1e-6)
-
-
-def test_a_change_of_the_mesh_is_refused() -> None:
-    joint, loading = sawn(2), Loading(Direction(0.3))
-    problem, finer = posed(joint, loading, 0.025), posed(joint, loading, 0.0125)
-    with pytest.raises(ValueError, match="finer: must keep pieces"):
-        limit_derivatives(*problem, {"finer": Change(problem, finer, 1.0)})
-
-
-# --- vertices ------------------------------------------------------------------------------------
-def overturned(blocks: Sequence[Block]) -> Problem:
-    return pushed(blocks, dry(0.8))
-
-
-def test_a_block_overturns_later_if_the_side_that_it_turns_about_moves_out() -> None:
-    """Factor = width over height; load = density g depth width**2."""
-    side, top = (
-        [place for place in BLOCK.vertices if place[axis] == most]
-        for axis, most in ((0, 0.4), (2, 1.0))
-    )
-    blocks = [GROUND, BLOCK]
-    out, up = vertex_effects(overturned, blocks, [side, top])
-    load = limit_load(*overturned(blocks), friction=True).load
-    assert (out.blocks, out.places) == (("block",), tuple(side))
-    assert out.factor[0] == pytest.approx(1.0, rel=1e-6)
-    assert out.load[0] == pytest.approx(2.0 * load / 0.4, rel=1e-6)
-    assert up.factor[2] == pytest.approx(-0.4, rel=1e-6)
-    assert up.load[2] == pytest.approx(0.0, abs=1e-6 * load)
-
-
-def test_a_place_without_a_vertex_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"no block has a vertex at \[0.1, 0.0, 0.0\] m"):
-        vertex_effects(overturned, [GROUND, BLOCK], [[(0.1, 0.0, 0.0)]])

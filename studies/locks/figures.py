@@ -8,10 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from analysis.drawing import rule_name
 from analysis.figures import style
 from sidmacib.rule.pairs import Pairs
-from studies.locks.tables import JOINT, POINTS, brittle_odd_joints, known, rule_errors
+from studies.locks.tables import POINTS, known
 from workflow.results.tables import read_table
 from workflow.step import Arguments, FileLists, Files, step
 
@@ -19,7 +18,6 @@ MOST_DRAWN = 20_000  # points of a figure: more would not be seen
 REACH = 10.0  # %, of errors of the law that are drawn
 RANGES = 12  # of first failures, each with its percentiles
 FEWEST = 10  # points of a range that has percentiles
-UNSAFE, SAFE = 200.0, -60.0  # %, of errors of rules that are drawn
 
 
 def smooth_shear(points: pd.DataFrame) -> pd.DataFrame:
@@ -132,48 +130,6 @@ def margins(points: pd.DataFrame) -> Figure:
     return figure
 
 
-def rules(points: pd.DataFrame) -> Figure:
-    """Errors of each rule against the peak, as percentiles over the number of locks."""
-    odd = brittle_odd_joints(points)
-    pure = odd[odd["eccentricity_over_a"].eq(0.0)]
-    errors = rule_errors(odd, "option4")
-    figure = Figure(figsize=(9.6, 2.3 * len(errors) + 0.8), layout="constrained")
-    panels = figure.subplots(len(errors), 2, sharex=True, sharey=True)
-    for row, (rule, error) in zip(panels, errors.items(), strict=True):
-        worst = error.groupby([odd[name] for name in JOINT]).transform("max")
-        for axes, words, shown in (
-            (row[0], "pure shear", error),
-            (row[1], "worst direction", worst),
-        ):
-            _bands(axes, pure["locks"], 100.0 * shown[pure.index])
-            axes.set_title(f"{rule_name(rule)}: {words}", loc="left", fontsize=9)
-        row[0].set_ylabel("over the peak (%)")
-    panels[0, 0].set_ylim(SAFE, UNSAFE)
-    panels[0, 0].legend(fontsize=7, loc="lower right")
-    for axes in panels[-1]:
-        axes.set_xlabel("locks n")
-    style.caption(
-        figure,
-        f"{_origin(points)}{len(pure)} odd ones under a plate, columns. Above the line the rule "
-        "promises more than the joint carries. Right: the largest error of all directions of a "
-        f"joint. SiDMACIB, Option 4, without friction. Errors above {UNSAFE:g} % are drawn there.",
-        height=0.05,
-    )
-    return figure
-
-
-def _bands(axes: Axes, locks: pd.Series, error: pd.Series) -> None:
-    """Percentiles of an error (%) for each number of ``locks``; 0 is a line."""
-    by_locks = error.clip(SAFE, UNSAFE).groupby(locks).quantile([0.0, 0.25, 0.5, 0.75, 1.0])
-    found = by_locks.unstack()
-    colour = style.COLOURS[0]
-    axes.fill_between(found.index, found[0.0], found[1.0], color=colour, alpha=0.2, label="all")
-    half = {"color": colour, "alpha": 0.4, "label": "half of the joints"}
-    axes.fill_between(found.index, found[0.25], found[0.75], **half)
-    axes.plot(found.index, found[0.5], "o-", ms=3, lw=1.4, color=colour, label="median")
-    axes.axhline(0.0, color=style.COLOURS[5], lw=1.2)
-
-
 def nomogram(points: pd.DataFrame) -> Figure:
     """The lag from sizes and stiffnesses, and locks that work from it and the pairs."""
     figure = Figure(figsize=(9.6, 4.9), layout="constrained")
@@ -206,7 +162,6 @@ def nomogram(points: pd.DataFrame) -> Figure:
 DRAWN: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "law": collapse,
     "law_margins": margins,
-    "law_rules": rules,
     "law_nomogram": nomogram,
 }
 

@@ -85,7 +85,7 @@ rule law_figures:
     output:
         figures=[
             shown(name)
-            for name in drawn_files(("law", "law_margins", "law_rules", "law_nomogram"))
+            for name in drawn_files(("law", "law_margins", "law_nomogram"))
         ],
     log:
         below("logs/law_figures.log"),
