@@ -87,9 +87,10 @@ def test_a_parameter_has_its_type_range_unit_and_choices() -> None:
 
 @pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda path: path.stem)
 def test_equations_can_be_drawn_here_and_on_github(page: Path) -> None:
-    text = re.sub(r"^```(?!math).*?^```$|`[^`\n]+`", "", page.read_text(), flags=re.M | re.S)
-    blocks = re.findall(r"^```math\n(.*?)^```$", text, re.M | re.S)
-    lines = re.findall(r"\$([^$]+)\$", re.sub(r"^```math.*?^```$", "", text, flags=re.M | re.S))
+    fenced = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.M | re.S)
+    blocks = [text for language, text in fenced.findall(page.read_text()) if language == "math"]
+    prose = re.sub(r"`[^`\n]+`", "", fenced.sub("", page.read_text()))
+    lines = re.findall(r"\$([^$]+)\$", prose)
     for equation in [*blocks, *lines]:
         assert tex2mathml(equation).startswith("<math")
         assert "operatorname" not in equation, "GitHub refuses it"
