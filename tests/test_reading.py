@@ -13,7 +13,7 @@ from workflow.configuration import ConfigError, load_configuration, read_study, 
 from workflow.schema import Study
 
 STUDY = "samples: {n3: {locks: 3}}\n"
-LETTERS = 400
+LETTERS = 450
 
 
 def written(folder: Path, text: str | bytes) -> Path:
