@@ -23,6 +23,7 @@ from analysis.explore.pictures import answers, pictures
 from analysis.explore.state import Settings
 from analysis.tables.comparisons import best_pair
 from benchmarks import seconds, used
+from benchmarks.in_time import step_figures
 from benchmarks.peers import armadillo_figures, peer_times
 from benchmarks.scaling import wall_figures
 from sidmacib.engines import ENGINES
@@ -220,7 +221,7 @@ def main() -> None:
         folder = Path(name)
         base = base_values(arguments.base, folder / "base") if arguments.base else None
         list(wall_figures(10))  # compiles
-        blocks = (*wall_figures(1000), *armadillo_figures())
+        blocks = (*wall_figures(1000), *step_figures(), *armadillo_figures())
         figures = [
             *process_figures(folder),
             *library_figures(),

@@ -11,7 +11,7 @@ import io
 import resource
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import redirect_stdout
 from functools import partial
 from importlib.resources import files
@@ -27,10 +27,10 @@ from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacit
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import cut_pieces
-from sidmacib.mechanics.assembly import Cuboid, FaceMaterial, Floats
+from sidmacib.mechanics.assembly import FaceMaterial, Floats
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import static_peak
-from sidmacib.structure.blocks import box
+from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
@@ -135,9 +135,8 @@ def furthest_by_highs(programme: dict[str, Any], way: Floats) -> Floats:
 
 
 # --- rigid blocks --------------------------------------------------------------------------------
-def surface(piece: Cuboid) -> tuple[list[list[float]], list[list[int]]]:
-    """Corners (m) and sides of a piece."""
-    block = box(piece.name, piece.low, piece.high, 1.0)
+def surface(block: Block) -> tuple[list[list[float]], list[list[int]]]:
+    """Corners (m) and sides of a block."""
     return [[*corner] for corner in block.vertices], [[*side] for side in block.faces]
 
 
@@ -146,7 +145,7 @@ def at_rest_by_cra(joint: Joint) -> object:
 
     Kao et al. 2022, doi:10.1016/j.cad.2022.103216.
     """
-    from compas_assembly.datastructures import Block
+    from compas_assembly.datastructures import Block as Datastructure
     from compas_cra.algorithms import assembly_interfaces_numpy
     from compas_cra.datastructures import CRA_Assembly
     from compas_cra.equilibrium import cra_solve
@@ -154,7 +153,8 @@ def at_rest_by_cra(joint: Joint) -> object:
     assembly = CRA_Assembly()
     pieces = cut_pieces(joint)
     for number, piece in enumerate(pieces):
-        assembly.add_block(Block.from_vertices_and_faces(*surface(piece)), node=number)
+        solid = box(piece.name, piece.low, piece.high, 1.0)
+        assembly.add_block(Datastructure.from_vertices_and_faces(*surface(solid)), node=number)
     assembly.set_boundary_conditions([n for n, piece in enumerate(pieces) if piece.fixed])
     assembly_interfaces_numpy(assembly, nmax=len(pieces), amin=1e-9, tmax=1e-6)
     with redirect_stdout(io.StringIO()):  # it prints its progress
@@ -178,17 +178,30 @@ def seconds_by_cra(path: Path, name: str, friction: float, limit: float) -> floa
 
 def at_rest_by_lmgc90(joint: Joint) -> object:
     """The pieces after some time steps under their weight, by non-smooth contact dynamics."""
+    pieces = cut_pieces(joint)
+    solids = [box(piece.name, piece.low, piece.high, 1.0) for piece in pieces]
+    fixed = [piece.fixed for piece in pieces]
+    return lmgc90_steps(solids, fixed, joint.dry.friction, joint.density, 1e-4, STEPS)
+
+
+def lmgc90_steps(
+    solids: Sequence[Block],
+    fixed: Sequence[bool],
+    friction: float,
+    density: float,
+    step: float,
+    count: int,
+) -> object:
+    """Where compas_lmgc90 has blocks after some time steps (s) under their weight."""
     from compas_lmgc90.solver import Solver
 
-    solver = Solver(dt=1e-4, density=joint.density)
-    pieces = cut_pieces(joint)
-    shapes = [surface(piece) for piece in pieces]
-    solver.geometry_from_v_f([{"vertices": v, "faces": f} for v, f in shapes])
-    solver.supports = [piece.fixed for piece in pieces]
-    for number, piece in enumerate(pieces):
-        if piece.fixed:
+    solver = Solver(dt=step, density=density)
+    solver.geometry_from_v_f([{"vertices": v, "faces": f} for v, f in map(surface, solids)])
+    solver.supports = list(fixed)
+    for number, held in enumerate(fixed):
+        if held:
             solver.v_drvdof[number] = {axis: np.zeros(6) for axis in range(1, 7)}
-    solver.contact_law("IQS_CLB_g0", joint.dry.friction)
+    solver.contact_law("IQS_CLB_g0", friction)
     solver.preprocess()
-    solver.run(nb_steps=STEPS)
+    solver.run(nb_steps=count)
     return solver.last_result

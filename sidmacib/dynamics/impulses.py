@@ -176,7 +176,7 @@ def steps(solids, built, bodies, state, pairs, contacts, acting, near, start, to
     Until a vertex has moved by more than ``near`` (m) from where it was at the ``start``, (V, 3),
     so that other pairs may come together. ``contacts``: those of the step before, and room for the
     next; after an odd number of steps they have changed places. ``told``: has the largest change
-    that was left, over the largest impulse, and the least gap (m).
+    that was left, over the largest impulse, the least gap (m), and 1 if a vertex has moved so far.
     """
     count = len(bodies.mass)
     frames = Frames(np.empty((count, 3, 3)), np.zeros((count, 3, 3)), np.zeros((count, 3, 3)))
@@ -200,5 +200,6 @@ def steps(solids, built, bodies, state, pairs, contacts, acting, near, start, to
         for c in range(before.count[0]):
             told[1] = min(told[1], before.gap[c])
         if _farthest(places.vertices, start) > near * near:
+            told[2] = 1.0
             return step + 1
     return len(acting.ground)

@@ -5,7 +5,7 @@ width. Contacts are those of convex solids, wherever they meet; see `sidmacib.dy
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -85,21 +85,20 @@ def history(
     motion = _Motion(assembly, loads)
     ground = loads.accelerations(factor)
     every = max(round(KEPT / loads.step), 1)
-    kept = [motion.position()]
+    kept = [motion.state_now()]
     kept_on = 0.0 if until_it_falls else AFTER
     for start in range(0, len(ground), every):
         if len(kept) % TOLD == 1:
             progress(f"{loads.step * start:.3g} of {loads.duration:g} s")
         motion.run(ground[start : start + every])
-        shift, turn, _ = position = motion.position()
-        kept.append(position)
-        motion.note_fallen(shift, turn, loads.step * min(start + every, len(ground)))
+        kept.append(motion.state_now())
+        motion.note_fallen(loads.step * min(start + every, len(ground)))
         if kept_on <= (len(kept) - 1) * every * loads.step - float(motion.fallen.min()):
             break
     time = np.minimum(np.arange(len(kept)) * every, len(ground)) * loads.step
-    if not np.isfinite(kept[-1][0]).all():
+    if not np.isfinite(kept[-1].centre).all():
         raise CapacityError(f"{WHAT}: the numbers are too large; check the loads")
-    shifts, turns, energy = (np.array(each) for each in zip(*kept, strict=True))
+    shifts, turns, energy = motion.positions(kept)
     return History(
         *(time, shifts, turns, motion.fallen, energy - energy[0]),
         pressed=max(0.0, -float(motion.told[1])),
@@ -114,7 +113,7 @@ class _Motion:
 
     assembly: Assembly
     loads: TimeLoads
-    told: Floats = field(default_factory=lambda: np.zeros(2))
+    told: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
 
     def __post_init__(self) -> None:
         assembly, loads = self.assembly, self.loads
@@ -139,33 +138,37 @@ class _Motion:
             self.friction[pair] = min(known, face.material.friction)
         self.other_friction = min(self.friction.values(), default=0.0)
 
-    @property
-    def turns(self) -> Floats:
-        """Matrices of the turns, (P, 3, 3)."""
-        return np.asarray(Rotation.from_quat(self.state.turn, scalar_first=True).as_matrix())
+    def state_now(self) -> State:
+        """A copy of the state."""
+        return State(*(each.copy() for each in self.state))
 
-    def position(self) -> tuple[Floats, Floats, float]:
-        """Shifts, rotation vectors and energy (J)."""
-        turn = Rotation.from_quat(self.state.turn, scalar_first=True).as_rotvec()
-        shift = self.state.centre - self.built
-        bodies, free = self.shapes.bodies, self.shapes.bodies.mass > 0.0
-        spin = np.einsum("pji,pj->pi", self.turns, self.state.spin)
-        kinetic = 0.5 * (bodies.mass[:, None] * self.state.speed**2).sum()
-        kinetic += 0.5 * np.einsum("pi,pij,pj", spin[free], bodies.inertia[free], spin[free])
-        arms = np.einsum("pij,pjk->pik", self.turns - np.eye(3), self.levers)
-        work = (self.forces * shift).sum() + np.trace(arms, axis1=1, axis2=2).sum()
-        return shift, np.asarray(turn), float(kinetic - work)
+    def positions(self, kept: Sequence[State]) -> tuple[Floats, Floats, Floats]:
+        """Shifts and rotation vectors, both (T, P, 3), and energy (J), (T,)."""
+        centre, turn, speed, spin = (np.array(each) for each in zip(*kept, strict=True))
+        bodies, shift = self.shapes.bodies, centre - self.built
+        free = bodies.mass > 0.0
+        rotation = Rotation.from_quat(turn.reshape(-1, 4), scalar_first=True)
+        R = rotation.as_matrix().reshape(*turn.shape[:2], 3, 3)
+        own = np.einsum("tpji,tpj->tpi", R, spin)[:, free]
+        energy = 0.5 * np.einsum("p,tpi->t", bodies.mass, speed**2)
+        energy += 0.5 * np.einsum("tpi,pij,tpj->t", own, bodies.inertia[free], own)
+        energy -= np.einsum("pi,tpi->t", self.forces, shift)
+        energy -= np.einsum("tpij,pji->t", R - np.eye(3), self.levers)
+        return shift, rotation.as_rotvec().reshape(shift.shape), energy
 
-    def note_fallen(self, shift: Floats, turn: Floats, time: float) -> None:
-        """Keep the ``time`` (s) of pieces that have fallen, by their shifts and rotations."""
-        down = (np.linalg.norm(turn, axis=1) > FALLEN) | (-shift[:, 2] > SUNK * self.least)
+    def note_fallen(self, time: float) -> None:
+        """Keep the ``time`` (s) of pieces that have fallen."""
+        sunk = self.built[:, 2] - self.state.centre[:, 2] > SUNK * self.least
+        down = sunk | (np.abs(self.state.turn[:, 0]) < math.cos(0.5 * FALLEN))
         self.fallen[down & np.isinf(self.fallen)] = time
 
     def run(self, ground: Floats) -> None:
         """One step for each of the accelerations of the ``ground`` (m/s2), (K, 3)."""
         shapes, loads, done = self.shapes, self.loads, 0
         while done < len(ground):
-            self._find_pairs()
+            if self.told[2]:
+                self._find_pairs()
+                self.told[2] = 0.0
             acting = Acting(
                 *(self.forces, self.levers, ground[done:], loads.step, loads.restitution),
                 self.unit,
@@ -173,7 +176,7 @@ class _Motion:
             made = steps(
                 *(shapes.solids, shapes.built, shapes.bodies, self.state, self.pairs),
                 *(self.contacts, acting, self.near),
-                *(shapes.places(self.state.centre, self.turns), self.told),
+                *(self.start, self.told),
             )
             if made % 2:
                 self.contacts = self.contacts[::-1]
@@ -181,7 +184,9 @@ class _Motion:
 
     def _find_pairs(self) -> None:
         """Pairs of solids that may meet before one has moved by ``near``, with their contacts."""
-        found = self.shapes.pairs(self.state.centre, self.turns, 3.0 * self.near)
+        turns = Rotation.from_quat(self.state.turn, scalar_first=True).as_matrix()
+        self.start = self.shapes.places(self.state.centre, turns)
+        found = self.shapes.pairs(self.start, 3.0 * self.near)
         if self.loads.lost is not None:
             found = found[(self.shapes.solids.piece[found] != self.loads.lost).all(axis=1)]
         if np.array_equal(found, self.pairs.solids):

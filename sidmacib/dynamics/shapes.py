@@ -204,9 +204,12 @@ class Shapes:
         owner = self._owner
         return np.asarray(centre[owner] + np.einsum("kij,kj->ki", turn[owner], self.built.vertices))
 
-    def pairs(self, centre: Floats, turn: Floats, near: float) -> Integers:
-        """Pairs of solids of different pieces whose boxes are within ``near`` (m), (K, 2)."""
-        piece, places = self.solids.piece, self.places(centre, turn)
+    def pairs(self, places: Floats, near: float) -> Integers:
+        """Pairs of solids of different pieces whose boxes are within ``near`` (m), (K, 2).
+
+        ``places``: of vertices.
+        """
+        piece = self.solids.piece
         first = self.solids.vertices[:-1]
         low = np.minimum.reduceat(places, first) - 0.5 * near
         high = np.maximum.reduceat(places, first) + 0.5 * near

@@ -14,9 +14,7 @@ OWN = "ground"  # name of the motion in the file itself
 SECONDS = Number(above=0, unit="s")
 _Records = Annotated[
     dict[Name, dict[str, Any]],
-    WithJsonSchema(
-        {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
-    ),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
 ]
 
 
