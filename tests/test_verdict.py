@@ -255,15 +255,6 @@ def test_limit_analysis_decides_a_verdict_where_it_is_lower() -> None:
     assert found.note == "limit analysis decides, as it is lower: the static model has 1"
 
 
-def test_no_output_is_written_over_the_input(path: Path) -> None:
-    path.write_text(json.dumps({**CUBE, "load": PUSH}))
-    before = path.read_text()
-    found = run("assembly", str(path), "--capacity-curve", str(path))
-    assert found.exit_code == 2
-    assert "--capacity-curve" in found.output and "is what the command reads" in found.output
-    assert path.read_text() == before
-
-
 def test_what_a_file_does_not_say_is_said(path: Path) -> None:
     cube = {key: value for key, value in CUBE["blocks"]["cube"].items() if key != "density"}
     text = {"blocks": CUBE["blocks"] | {"cube": cube}, "load": PUSH}

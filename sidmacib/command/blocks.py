@@ -12,13 +12,13 @@ from sidmacib.command.options import (
     EXISTING,
     PAGE,
     PICTURE,
-    WRITTEN,
     Command,
     Written,
     flag_of,
     format_option,
     joint_of,
     joint_options,
+    keep_inputs,
     note_option,
     partial_factor_options,
     quantity,
@@ -66,7 +66,7 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
 @click.option(
     "--compas",
-    type=WRITTEN,
+    type=Written(),
     help="Write forces and mechanism of limit analysis as JSON, as Results of compas_dem.",
 )
 @click.option(
@@ -135,7 +135,7 @@ def assembly(file: Path, **options: Any) -> None:
         from sidmacib.command.assembly import Wanted, passes
         from sidmacib.command.structures import added_keys
         from sidmacib.scene.page import plotly_js
-        from sidmacib.structure.files.structure_file import description_in
+        from sidmacib.structure.files.structure_file import description_in, files_behind
         from sidmacib.structure.partial_factors import PartialFactors
 
         gammas = (options.pop(f"gamma_{symbol}") or 1.0 for symbol in "gqm")
@@ -151,6 +151,7 @@ def assembly(file: Path, **options: Any) -> None:
             added_keys(**options),
             lambda name: click.echo(f"Note: {name} is not read, as it has blocks itself", err=True),
         )
+        keep_inputs(files_behind(file, description))
         wanted = Wanted(file=file, description=description, factors=factors, tell=tell, **own)
         if not passes(wanted):
             sys.exit(1)
@@ -160,7 +161,7 @@ def assembly(file: Path, **options: Any) -> None:
 @click.argument("file", type=EXISTING)
 @click.option(
     "--output",
-    type=WRITTEN,
+    type=Written(),
     help="Write the structure with its locks and the load of the first case into this YAML file, "
     "for multilock assembly; each other case goes into a file beside it.",
 )
@@ -179,9 +180,12 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     with refused_in_one_line():
         from sidmacib.command.designs import design_tables, verdict
         from sidmacib.design.designed import design_of
-        from sidmacib.design.file import read_task, write_designed
+        from sidmacib.design.file import case_files, read_task, write_designed
+        from sidmacib.structure.files.structure_file import files_behind
 
         task = read_task(file)
+        if output is not None:
+            keep_inputs(files_behind(file, task.description), case_files(task, output))
         found = design_of(task, lambda line: None if quiet else click.echo(line, err=True))
         if output is not None:
             write_designed(task, found.choice, output)
@@ -280,7 +284,11 @@ def build(
             write_all,
         )
         from sidmacib.command.structures import added_keys
+        from sidmacib.structure.files.structure_file import description_in, files_behind
 
+        if source is not None:
+            written = output / "blocks.obj", output / "blocks.csv", *output.glob("stl/*")
+            keep_inputs(files_behind(source, description_in(source)), written)
         given = [name for name, value in flags.items() if value is not None]
         if fixed is not None and source is None:
             raise click.UsageError("--fixed: is for a file of blocks")

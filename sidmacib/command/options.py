@@ -1,7 +1,7 @@
 """Options that commands share, their headings in the help, and the joint that they describe."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,6 @@ from sidmacib.quantities import Number, meant, number_in, plain_unit, quantity_o
 # In the order of the help; options without a group come first.
 OWN, LOAD, GEOMETRY, MATERIAL, OUTPUT = "Options", "Load", "Geometry", "Material", "Input, output"
 GROUPS = (OWN, LOAD, GEOMETRY, MATERIAL, OUTPUT)
-WRITTEN = click.Path(dir_okay=False, path_type=Path)
 EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 DEFAULT = Joint(5)
 # Further names of flags: -h is a height here, while other programs take it for help.
@@ -69,18 +68,29 @@ class Command(click.Command):
                     words = "is given more than once; it must be given once"
                     raise click.UsageError(f"{option.opts[0]} {words}", ctx)
         left = super().parse_args(ctx, args)
-        self._keep_inputs(ctx)
+        keep_inputs(path for each, path in _paths(ctx) if not isinstance(each.type, Written))
         return left
 
-    def _keep_inputs(self, ctx: click.Context) -> None:
-        """`click.UsageError` where a file that is read would be written over."""
-        given = [(each, ctx.params.get(each.name or "")) for each in self.params]
-        read = {path.resolve() for each, path in given if each.type is EXISTING and path}
-        for each, path in given:
-            written = each.type is WRITTEN or isinstance(each.type, Written)
-            if written and path and path.resolve() in read:
-                words = "is what the command reads; it must be another file"
-                raise click.UsageError(f"{each.opts[-1]} {path}: {words}", ctx)
+
+def keep_inputs(read: Iterable[Path], more: Iterable[Path] = ()) -> None:
+    """`click.UsageError` where the command that runs would write over a file that is ``read``.
+
+    ``more``: what it writes by its --output, beside the files that its options name.
+    """
+    context, kept = click.get_current_context(), [path for path in read if path.exists()]
+    written = [
+        (each.opts[-1], path) for each, path in _paths(context) if isinstance(each.type, Written)
+    ]
+    for flag, path in (*written, *(("--output", path) for path in more)):
+        if path.exists() and any(map(path.samefile, kept)):
+            words = "is what the command reads; it must be another file"
+            raise click.UsageError(f"{flag} {path}: {words}", context)
+
+
+def _paths(ctx: click.Context) -> Iterator[tuple[click.Parameter, Path]]:
+    for each in ctx.command.params:
+        if isinstance(path := ctx.params.get(each.name or ""), Path):
+            yield each, path
 
 
 class Written(click.Path):

@@ -219,6 +219,13 @@ def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:
     return {**task.description, "locks": locks}
 
 
+def case_files(task: Task, path: Path) -> list[Path]:
+    """The files of `write_designed`, in the order of cases."""
+    _, *others = task.loads
+    named = [f"{path.stem}-{quote(name, safe=' ')}{path.suffix}" for name in others]
+    return [path, *map(path.with_name, named)]
+
+
 def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> None:
     """Write `designed` into YAML files, with paths to files of blocks from their folder.
 
@@ -235,9 +242,7 @@ def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> N
     description["blocks"] = {name: moved(value) for name, value in description["blocks"].items()}
     cases = "".join(f"#   {_line(task, name)}\n" for name in task.loads)
     head = f"# With the locks that multilock design found for these cases:\n{cases}"
-    for number, (name, load) in enumerate(task.loads.items()):
-        file = path.with_name(f"{path.stem}-{quote(name, safe=' ')}{path.suffix}")
-        file = file if number else path
+    for (name, load), file in zip(task.loads.items(), case_files(task, path), strict=True):
         text = f"{head}# The load is that of {shown(name)}.\n"
         text += yaml.safe_dump({**description, "load": load}, sort_keys=False, width=120)
         try:

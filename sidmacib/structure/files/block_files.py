@@ -6,6 +6,7 @@ vertex cuts through the folds.
 """
 
 import importlib
+import logging
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -27,6 +28,7 @@ from sidmacib.structure.interfaces import Interface, mean_size
 from sidmacib.structure.warnings import BLOCK
 from sidmacib.validation import refused
 
+logging.getLogger("trimesh").addHandler(logging.NullHandler())  # of no use beside our own line
 UPWARDS_Y = (".glb", ".gltf")  # by their standard; in metres
 NAMED = (".obj", ".3dm", *UPWARDS_Y)  # have objects with names
 SUFFIXES = (".obj", ".ply", ".stl", ".off", ".3dm", *UPWARDS_Y)
@@ -79,7 +81,7 @@ def _surfaces(path: Path) -> dict[str, Surface]:
     """The surface of each object in a file, by its name."""
     try:
         found = _in_obj(path) if path.suffix.lower() == ".obj" else _triangles(path)
-    except (OSError, ValueError, IndexError, KeyError, TypeError):
+    except (OSError, ValueError, IndexError, KeyError, NameError, TypeError):  # of trimesh, any
         raise ValueError("is no mesh that can be read") from None
     if not found:
         raise ValueError("has no triangles")
@@ -211,6 +213,14 @@ def require_likely(size: float, what: str) -> None:
         raise ValueError(f"{what} would be {size:.4g} m across; say unit: mm, or {others}")
 
 
+def files_named(name: str, folder: Path) -> list[Path]:
+    """The file of a ``name``, or with `*` all that fit; ``folder``: that a path starts from."""
+    if "*" not in name:
+        return [folder / name]
+    root = Path(name).anchor
+    return sorted((folder / root).glob(name.removeprefix(root)))
+
+
 class FileSection(Keys):
     """Blocks from OBJ, GLB, glTF, PLY, STL or OFF, from Rhino's 3dm, or from JSON of COMPAS."""
 
@@ -251,7 +261,7 @@ class FileSection(Keys):
     def blocks(self, name: str, folder: Path) -> list[Block]:
         """The blocks, whose names begin with ``name``; ValueError."""
         try:
-            paths = sorted(folder.glob(self.file)) if "*" in self.file else [folder / self.file]
+            paths = files_named(self.file, folder)
             if not paths:
                 raise refused("file", self.file, "a pattern that fits a file")
             several = len(paths) > 1

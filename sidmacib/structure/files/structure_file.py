@@ -9,7 +9,7 @@ from typing import Any
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.files.block_files import SUFFIXES, FileSection
+from sidmacib.structure.files.block_files import SUFFIXES, FileSection, files_named
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.loads import (
     LoadCaseSection,
@@ -76,6 +76,22 @@ def description_in(
         both = isinstance(held, dict) and isinstance(value, dict)
         given[key] = {**held, **value} if both and held else value
     return given
+
+
+def files_behind(path: Path, description: Any) -> Iterator[Path]:
+    """The files that a ``description`` in the file ``path`` comes from, and those it names."""
+    yield path
+    yield path.with_suffix(".yaml")
+    yield from _named_in(description, path.parent)
+
+
+def _named_in(value: Any, folder: Path) -> Iterator[Path]:
+    named = value if isinstance(value, Mapping) else {}
+    for key, each in named.items():
+        if key in ("file", "record") and isinstance(each, str):
+            yield from files_named(each, folder)
+    for each in named.values() if named else value if isinstance(value, list) else ():
+        yield from _named_in(each, folder)
 
 
 def structure_of(description: Any, folder: Path = Path()) -> Problem:
