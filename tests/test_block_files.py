@@ -107,6 +107,7 @@ def test_all_files_that_fit_a_pattern_are_blocks(tmp_path: Path) -> None:
     write(tmp_path / "high.obj", [HIGH])
     blocks = FileSection(file="*.obj", fixed=["low"]).blocks("b", tmp_path)
     assert [(block.name, block.fixed) for block in blocks] == [("b-high", False), ("b-low", True)]
+    assert len(FileSection(file=f"{tmp_path}/*.obj").blocks("b", Path("elsewhere"))) == 2
 
 
 def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Path) -> None:
@@ -134,6 +135,8 @@ def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Pat
         ({"file": "none.obj"}, "blocks.b.file: .*none.obj' is not allowed; it must be a file that"),
         ({"file": "b.txt"}, "blocks.b.file: 'b.txt' is not allowed; .* ends in .obj, .ply, .stl"),
         ({"file": "empty.obj"}, "blocks.b.file: empty.obj: has no triangles"),
+        ({"file": "point.obj"}, "blocks.b.file: point.obj: 1: its faces must close a volume"),
+        ({"file": "misspelt.ply"}, "blocks.b.file: misspelt.ply: is no mesh that can be read"),
         ({"file": "b.obj", "fixed": ["x"]}, "blocks.b.fixed: .* a list of high, low"),
         ({"file": "b.obj", "scale": 0}, "blocks.b.scale: 0 is not allowed"),
     ],
@@ -142,9 +145,11 @@ def test_a_fault_names_its_key(block: dict[str, object], line: str, tmp_path: Pa
     write(tmp_path / "b.obj", [LOW, HIGH])
     (tmp_path / "b.txt").write_text("")
     (tmp_path / "empty.obj").write_text("# nothing\n")
-    text = {"blocks": {"b": block}, "load": {"acceleration": [1, 0, 0]}}
+    (tmp_path / "point.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1\n")
+    text = mesh_of(LOW).export(file_type="ply", encoding="ascii").decode()
+    (tmp_path / "misspelt.ply").write_text(text.replace("property list", "propert0 list"))
     path = tmp_path / "structure.yaml"
-    path.write_text(json.dumps(text))
+    path.write_text(json.dumps({"blocks": {"b": block}, "load": {"acceleration": [1, 0, 0]}}))
     ended = run("assembly", str(path))
     assert ended.exit_code == 2
     assert re.search(line, ended.output.splitlines()[-1])

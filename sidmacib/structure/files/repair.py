@@ -142,8 +142,10 @@ def _without_repeats(face: list[int]) -> Face:
     while length != len(face):
         length = len(face)
         face = [v for k, v in enumerate(face) if v != face[k - 1] or len(face) == 1]
+        if len(face) < 3:
+            break
         spike = next((k for k in range(len(face)) if face[k - 2] == face[k]), None)
-        if spike is not None and len(face) > 2:
+        if spike is not None:
             face = [v for k, v in enumerate(face) if k not in (spike, (spike - 1) % len(face))]
     return tuple(face)
 
