@@ -21,6 +21,7 @@ from stack import tilted_stack
 from structures import on_ground
 
 from sidmacib.engines import ENGINES, Engine, Numerics
+from sidmacib.engines.liggghts.process import LiggghtsProcess
 from sidmacib.engines.render import DATA_FILE, MODULES, write_script
 from sidmacib.engines.run import (
     OUTPUTS,
@@ -102,6 +103,32 @@ def test_a_missing_program_is_named_with_its_package(tmp_path: Path) -> None:
     engine = replace(ENGINES["yade"], probe="no-such-yade")
     with pytest.raises(EngineError, match="yade: not installed; on Debian: apt-get install yade"):
         execute(engine, folder_with(tmp_path, GOOD), 60)
+
+
+def test_to_ask_for_a_version_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shell = ("sh", "-c", "touch log.liggghts; echo 'LIGGGHTS (Version LIGGGHTS-X 9.1'")
+    assert replace(ENGINES["liggghts"], prints_version=shell).version() == "9.1"
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_program_that_cannot_start_says_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "liggghts"
+    program.write_text("#!/bin/sh\necho libx.so: not found >&2; exit 127\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    with pytest.raises(SystemExit):
+        LiggghtsProcess(1)
+    assert capsys.readouterr().err.endswith(" (exit code 127): libx.so: not found\n")
+    shell = ("sh", "-c", "echo libx.so: not found >&2")
+    engine = replace(ENGINES["liggghts"], prints_version=shell)
+    with pytest.raises(RuntimeError, match=r"^liggghts: does not start: libx.so: not found$"):
+        engine.version()
+    assert engine.versions() == {}
 
 
 # --- however the runner ends, the program ends ---------------------------------------------------

@@ -9,8 +9,10 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from sidmacib.drawing import ORANGE, PURPLE, VERMILION
@@ -97,30 +99,37 @@ class Engine(Model):
 
     def version(self) -> str:
         """The version of the program, such as 3.8.0; RuntimeError if it states none."""
-        found = re.search(self.version_pattern, _printed(self.prints_version), re.MULTILINE)
+        printed = _printed(self.prints_version)
+        found = re.search(self.version_pattern, printed, re.MULTILINE)
         if not found:
-            raise RuntimeError(f"{self.name}: its output states no version")
+            last = printed.strip().rpartition("\n")[2]
+            raise RuntimeError(f"{self.name}: does not start: {last or 'it prints nothing'}")
         return found[1]
 
     def versions(self) -> dict[str, str]:
-        """Its version by its name; empty if it is not installed."""
-        return {} if self.missing() else {self.name: self.version()}
+        """Its version by its name; empty if it is not installed, or does not start."""
+        with suppress(RuntimeError):
+            return {} if self.missing() else {self.name: self.version()}
+        return {}
 
 
 @cache
 def _printed(command: tuple[str, ...]) -> str:
     """What a command prints, whatever its exit code: that of CalculiX never says success."""
-    # LIGGGHTS would start a daemon of MPI, which listens on ports.
+    # LIGGGHTS would start a daemon of MPI, which listens on ports; it leaves a log where it runs.
     alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"}
-    return subprocess.run(
-        command,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        errors="replace",
-        env=engine_environment(**alone),
-        check=False,
-    ).stdout
+    with TemporaryDirectory() as folder:
+        return subprocess.run(
+            command,
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            env=engine_environment(TMPDIR=folder, **alone),
+            check=False,
+        ).stdout
 
 
 ALL_CAN = {Ability.BRITTLE, Ability.FRICTION, Ability.SHARED, Ability.FIRST_FAILURE}

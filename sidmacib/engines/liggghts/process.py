@@ -71,17 +71,17 @@ class LiggghtsProcess:
             if line.strip() == mark:
                 return lines
             lines.append(line.rstrip())
-        print(
-            "\n".join([*lines[-20:], "LIGGGHTS ended before its commands were done"]),
-            file=sys.stderr,
-        )
-        killed = -self.process.wait() == signal.SIGKILL
+        status = self.process.wait()
+        how = f"exit code {status}" if status >= 0 else f"signal {-status}"
+        said = next(filter(None, reversed(lines)), "it said nothing")
+        words = f"LIGGGHTS ended before its commands were done ({how}): {said}"
+        print("\n".join([*lines[-20:], words]), file=sys.stderr)
         if any("Lost atoms" in line for line in lines):
             raise NoAnswerError(
                 "no peak: the pieces moved further than contact spheres can follow; LIGGGHTS lost "
                 "some"
             )
-        sys.exit(128 + signal.SIGKILL if killed else 1)
+        sys.exit(128 + signal.SIGKILL if status == -signal.SIGKILL else 1)
 
     def run(self, steps: int) -> None:
         """Advance; what was changed since the last run is set up only where ``fresh``."""
