@@ -44,6 +44,7 @@ PEERS ?=
 EVALUATIONS ?= 1800
 # Exported, so that the shell receives the values unchanged, whatever characters they contain.
 export PYTHON CONFIG RESULTS CASE FORMAT MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
+export MPLBACKEND := Agg
 BIN := .venv/bin
 # A run ends with make, however that ends.
 RUN = @exec setpriv --pdeathsig KILL env PYTHONUTF8=1 $(BIN)/python -m

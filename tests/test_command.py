@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from command_runner import answers, run
 from conftest import ROOT
 from joints import sawn
@@ -201,7 +202,7 @@ def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
     ("arguments", "words"),
     [
         ("capacity -a -1", "-a: '-1' is not allowed; it must be greater than 0 (m)"),
-        ("capacity -e x", "neither a number (e / a) nor torsion"),
+        ("capacity -e x", "neither a number (e / a), a length such as 20mm (e), nor torsion"),
         ("capacity --hold-down rope", "'rope' is not one of plate, weight"),
         ("capacity -m magic", "'magic' is not one of 'safe'"),
         ("capacity --poisson 0.3", "--poisson: 0.3 has no effect on rigid pieces"),
@@ -324,6 +325,18 @@ def test_flags_go_before_a_file(tmp_path: Path) -> None:
     assert of_file == answers("capacity", *flags, "-m", "law")[0]
     (other,) = answers("capacity", "--file", str(path), "-n", "3", "-m", "law")
     assert other != of_file
+
+
+def test_a_joint_is_read_from_standard_input() -> None:
+    found = CliRunner().invoke(main, ["law", "--file", "-"], input="locks: 9\n")
+    assert found.output == run("law", "-n", "9").output
+
+
+@pytest.mark.parametrize("command", ["capacity -m law", "weights"])
+def test_an_eccentricity_may_be_a_length(command: str) -> None:
+    of_length = run(*command.split(), "-n", "3", "-a", "80mm", "-e", "20mm")
+    assert of_length.exit_code == 0
+    assert of_length.output == run(*command.split(), "-n", "3", "-a", "80mm", "-e", "0.25").output
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from small import SMALL
 from sidmacib import OPTIONS, ContactOption, Elastic, Sidmacib
 from sidmacib.joint import INNER, Direction, HoldDown, Joint, OwnLock
 from sidmacib.joint.parameters import PARAMETERS, SIZES, unit_warnings, with_parameters
-from sidmacib.mechanics.assembly import FaceMaterial
+from sidmacib.mechanics.assembly import FaceMaterial, Failure
 from sidmacib.quantities import Length
 from sidmacib.rule import law
 from sidmacib.rule.spans import spans_of
@@ -186,6 +186,17 @@ def test_friction_of_inner_faces_is_doubted_by_its_place() -> None:
     rough = sawn(5, inner=replace(INNER, friction=35.0))
     words = "inner faces: friction: 35 is very large; is it an angle in degrees? tan(35°) = 0.7"
     assert list(unit_warnings(rough)) == [words]
+
+
+def test_what_has_an_effect_on_softening_bonds_only_is_doubted_of_others() -> None:
+    def doubts(**values: object) -> list[str]:
+        return [*unit_warnings(with_parameters(BENDS, values))]
+
+    assert doubts(fracture_energy=50.0) == [
+        "fracture_energy: no effect on brittle bonds; give failure: softening too"
+    ]
+    assert "without fracture_energy are brittle" in doubts(failure=Failure.SOFTENING)[0]
+    assert not doubts(failure=Failure.SOFTENING, fracture_energy=50.0)
 
 
 @given(st.floats(0.0, 1.2))

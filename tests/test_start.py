@@ -44,6 +44,12 @@ def test_an_interrupt_while_a_program_loads_is_reported_in_one_line(late: str) -
     assert found.stderr == "Aborted!\n"
 
 
+def test_a_picture_is_drawn_in_a_notebook(tmp_path: Path) -> None:
+    words = ("envelope", "-n", "2", "-m", "law", "--picture", tmp_path / "law.svg")
+    found = python("-c", PROGRAM, *words, MPLBACKEND="module://not_there.backend_inline")
+    assert found.returncode == 0, found.stderr
+
+
 @pytest.mark.study
 def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
     config = tmp_path / "study.yaml"

@@ -10,6 +10,7 @@ FAULT = 2  # exit status, as click's of wrong usage
 def run() -> None:
     """The program: ^C ends it with one word, while it is loaded too; a full disk with one line."""
     signal.signal(signal.SIGINT, _interrupt)
+    os.environ["MPLBACKEND"] = "Agg"  # that of a notebook is not there
     try:
         from sidmacib.command.main import main
 

@@ -19,6 +19,7 @@ from sidmacib.command.options import (
     joint_of,
     joint_options,
     note_option,
+    over_a,
     picture_option,
     quantity,
     reliability_options,
@@ -57,7 +58,7 @@ _ratio = grouped(
     "ratio",
     type=RATIO,
     default=0.0,
-    help="e / a, or torsion.  [default: 0, pure shear]",
+    help="e / a, e as a length such as 20mm, or torsion.  [default: 0, pure shear]",
 )
 _models = click.option(
     "-m",
@@ -114,7 +115,8 @@ def main() -> None:
     "ratios",
     multiple=True,
     type=RATIO,
-    help="e / a, or torsion; may be repeated.  [default: 0, pure shear]",
+    help="e / a, e as a length such as 20mm, or torsion; may be repeated.  [default: 0, pure "
+    "shear]",
 )
 @_shear
 @_torque
@@ -157,7 +159,7 @@ def capacity(
     from sidmacib.rule.reliability import Reliability
 
     joint, reliability = joint_of(flags), Reliability(variation or 0.0, gamma_m or 1.0)
-    demand = None
+    ratios, demand = [over_a(each, joint) for each in ratios], None
     if shear or torque:
         from sidmacib.command.inverse import demand_of
 
@@ -224,7 +226,7 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
     """Compute the load of each lock / its strength (static model)."""
     joint = joint_of(flags)
     with refused_in_one_line():
-        rows = weight_rows(joint, ratio, Push(push))
+        rows = weight_rows(joint, over_a(ratio, joint), Push(push))
     if picture is not None:
         draw(bars(rows, f"weights of {joint.locks} locks"), picture)
     click.echo(text_of(rows, form))
@@ -243,7 +245,7 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     """
     joint = joint_of(flags)
     with refused_in_one_line(), status_line() as progress:
-        words, rows = effect_rows(joint, ratio, Push(push), progress)
+        words, rows = effect_rows(joint, over_a(ratio, joint), Push(push), progress)
     if form == "table":
         click.echo(f"{words}\n")
         rows = [

@@ -1,6 +1,7 @@
 """Options that commands share, their headings in the help, and the joint that they describe."""
 
 import math
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -179,12 +180,25 @@ def quantity(number: Number) -> Reading:
     return Reading("float", number.read)
 
 
+class Metres(float):
+    """An eccentricity e in m, not over a."""
+
+
 def ratio_in(value: Any) -> float:
-    """A ratio e / a; infinite for torsion."""
+    """A ratio e / a, infinite for torsion; or e itself as `Metres`."""
     number = math.inf if value == "torsion" else number_in(str(value))
-    if number is None:
-        raise ValueError(f"{shown(value)} is neither a number (e / a) nor torsion")
-    return float(number)
+    if number is not None:
+        return float(number)
+    try:
+        return Metres(Number(unit="m").read(value))
+    except ValueError:
+        words = "is neither a number (e / a), a length such as 20mm (e), nor torsion"
+        raise ValueError(f"{shown(value)} {words}") from None
+
+
+def over_a(eccentricity: float, joint: Joint) -> float:
+    """The ratio e / a of what `ratio_in` read."""
+    return eccentricity / joint.a if isinstance(eccentricity, Metres) else eccentricity
 
 
 def hold_down_in(value: Any) -> HoldDown:
@@ -242,7 +256,7 @@ def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
             OUTPUT,
             "--file",
             type=click.Path(path_type=Path),
-            help="YAML file with the same names as the flags. Flags override the file.",
+            help="YAML file with the names of the flags, or - (standard input). Flags override it.",
         ),
     )
     for option in reversed(options):
@@ -317,10 +331,11 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
 def _from_file(path: Path) -> dict[str, Any]:
     """Names and values in a file; `click.UsageError` names what is wrong with it."""
     # Not needed, and not loaded, where there is no file.
-    from sidmacib.yaml_text import TextError, read_yaml
+    from sidmacib.yaml_text import TextError, parsed, read_yaml
 
     try:
-        content = read_yaml(path)
+        stdin = str(path) == "-"
+        content = parsed(sys.stdin.buffer.read()) if stdin else read_yaml(path)
     except TextError as error:
         raise _in_file(path, str(error)) from None
     if not isinstance(content, dict):

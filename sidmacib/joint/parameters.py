@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Any
 
 from sidmacib.joint import HoldDown, Joint
-from sidmacib.mechanics.assembly import Elastic, FaceMaterial
+from sidmacib.mechanics.assembly import SOFTENED, Elastic, FaceMaterial, Failure
 from sidmacib.quantities import Number, choice
 from sidmacib.validation import kinds_of, number_of
 
@@ -132,10 +132,16 @@ def with_fields(joint: Joint, values: Mapping[str, Any]) -> Joint:
 
 
 def unit_warnings(joint: Joint) -> Iterator[str]:
-    """One line, with its unit, for each value of ``joint`` that is unlikely."""
+    """A line for each value of ``joint`` that is unlikely, with its unit, or has no effect."""
     parameters = [each for each in PARAMETERS.values() if each.number]
     yield from beyond((each.name, each.of(joint), each.number) for each in parameters)
     yield from material_warnings("inner faces: ", joint.inner, "friction")
+    given = [name for name in SOFTENED if getattr(joint.inner, name)]
+    if (softens := joint.failure is Failure.SOFTENING) and not given:
+        yield "failure: softening bonds without fracture_energy are brittle; give it too"
+    if not softens:
+        for name in given:
+            yield f"{name}: no effect on {joint.failure} bonds; give failure: softening too"
 
 
 def material_warnings(what: str, material: FaceMaterial, *names: str) -> Iterator[str]:
