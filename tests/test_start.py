@@ -61,6 +61,20 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
     assert "V = 24" in found.stdout
 
 
+@pytest.mark.study
+def test_a_study_is_run_by_a_python_whose_path_has_blanks(tmp_path: Path) -> None:
+    program, config = tmp_path / "o'b c/python", tmp_path / "study.yaml"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    program.chmod(0o755)
+    config.write_text(SMALL)
+    run = "import sys; sys.executable = sys.argv.pop(1); from snakemake.cli import main; main()"
+    results = tmp_path / "results"
+    words = ("--cores", "1", "--configfile", config, "--config", f"results={results}")
+    found = python("-c", run, program, *words, "--", results / "tables/cases.csv")
+    assert found.returncode == 0, found.stderr
+
+
 def test_make_installs_nothing_for_a_study_that_is_not_there() -> None:
     command = ("make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml")
     printed = ran(*command, check=True).stdout

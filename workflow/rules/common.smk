@@ -3,6 +3,7 @@ import functools
 import math
 import os
 import re
+import shlex
 
 from workflow.step import NOTE, code_digest, noted
 from workflow.command import lock
@@ -24,6 +25,8 @@ if workflow.executor_plugin and workflow.executor_plugin.common_settings.local_e
     workflow.scheduling_settings.max_jobs_per_timespan = None
 # A script is a child of Snakemake itself, not of a shell, and ends with it (`workflow.step`).
 shell.prefix("exec ")
+# Snakemake writes it into a command of the shell as it is, with the blanks of its path.
+sys.executable = shlex.quote(sys.executable)
 PATHS = filter(None, (CHECKOUT, os.environ.get("PYTHONPATH")))
 os.environ |= {"PYTHONPATH": os.pathsep.join(PATHS), "PYTHONUTF8": "1"}
 os.environ |= {"OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
