@@ -98,6 +98,7 @@ def test_the_command_says_no_with_its_equations(tmp_path: Path) -> None:
         ({}, "seismic: missing; --seismic needs the spectrum"),
         ({"seismic": {**KEYS, "TC": 0.1}}, "TB, TC and TD must grow"),
         ({"seismic": {**KEYS, "ag": 0}}, "seismic.ag: 0 is not allowed"),
+        ({"seismic": KEYS, "interfaces": {"friction": 0.05}}, "seismic: blocks slide, which"),
         ({"seismic": KEYS, "load": {"tilt": {"axis": [0, 1, 0]}}}, "a load that is an accel"),
     ],
 )

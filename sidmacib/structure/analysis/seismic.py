@@ -116,11 +116,14 @@ def seismic_check(
     """The verification of the mechanism of ``assembly`` under ``loads``, an acceleration.
 
     ``confidence``: the factor F_C. Errors of `capacity_curve`; `CapacityError` too where the blocks
-    wedge, or no block moves along the acceleration.
+    wedge, or slide without turning, or none moves along the acceleration.
     """
     curve = capacity_curve(assembly, loads)
     if curve.path.end == WEDGE:
         raise CapacityError(f"seismic: {curve.end}")
+    if not curve.hinges:
+        allowed = "move them in time, by a load with a duration"
+        raise CapacityError(f"seismic: blocks slide, which this verification is not for; {allowed}")
     weight = np.array([GRAVITY * piece.mass * (not piece.fixed) for piece in assembly.pieces])
     push = loads.variable[:, :3].sum(axis=0)
     along = curve.path.positions[0].motion[:, :3] @ (push / np.linalg.norm(push))
