@@ -283,7 +283,6 @@ def test_results_are_in_the_unit_and_the_axes_of_the_file(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("content", "laws", "target", "words"),
     [
-        (named, "", "nowhere/results.json", "No such file or directory"),
         (model, "", "results.json", "lacks the key guid"),
         (named, "load: {tilt: {axis: [0, 1, 0]}}", "results.json", "not a tilt"),
     ],

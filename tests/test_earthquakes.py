@@ -85,6 +85,22 @@ def test_where_falls_and_stands_do_not_overlap_the_interval_is_what_lies_between
     assert fragility(table, ACCELERATION)["note"] == "all fall: no fit"
 
 
+@pytest.mark.parametrize(
+    ("intensity", "falls", "words"),
+    [
+        ([1.0, 2.0, 3.0, 3.0], [0, 0, 0, 1], "no motion that stands is above one that falls"),
+        ([2.0, 2.0, 2.0, 2.0], [0, 1, 0, 1], "one intensity: no fit"),
+        ([0.0, 2.0, 3.0, 4.0], [0, 0, 1, 1], "no motion that stands is above one that falls"),
+    ],
+)
+def test_without_a_likeliest_fit_there_is_none(
+    intensity: list[float], falls: list[int], words: str
+) -> None:
+    rows = {"record": [1, 2, 3, 4], ACCELERATION: intensity, "falls": falls}
+    found = fragility(pd.DataFrame(rows), ACCELERATION)
+    assert words in found["note"] and "median" not in found
+
+
 def study_of(folder: Path, description: dict[str, Any] = BLOCK, **keys: Any) -> Study:
     (folder / "block.yaml").write_text(yaml.safe_dump(description))
     path = folder / "study.yaml"
@@ -118,6 +134,15 @@ def test_without_records_the_motion_in_the_file_is_taken(tmp_path: Path) -> None
     ((case,),) = case_jobs(study_of(tmp_path)).earthquakes.values()
     assert case.name == "block-ground-1"
     assert moved(case).part.peak_acceleration_m_s2 == pytest.approx(GRAVITY)
+
+
+def test_records_whose_names_are_alike_are_refused(tmp_path: Path) -> None:
+    for name in ("a b.txt", "a_b.txt"):
+        write_pulse(tmp_path / name, 1.0)
+    with pytest.raises(ConfigError, match="two files are called a_b"):
+        study_of(tmp_path, records="a*.txt")
+    with pytest.raises(ConfigError, match="records: 5 is not allowed; it must be names of files"):
+        study_of(tmp_path, records=5)
 
 
 def test_a_changed_record_is_another_case(tmp_path: Path) -> None:

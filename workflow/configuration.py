@@ -147,21 +147,26 @@ def _with_records(config: dict[str, Any], path: Path) -> dict[str, Any]:
                     with_bodies(read_yaml(own), own.parent), own.parent
                 )
             patterns = section.get("records")
-            patterns = (patterns,) if isinstance(patterns, str) else patterns or ()
+            if not isinstance(patterns, list | Mapping):
+                patterns = () if patterns is None else (patterns,)
             if not isinstance(patterns, Mapping):
                 unit = UNITS.get(str(section.get("unit")))
-                section["records"] = {
-                    re.sub("[^A-Za-z0-9_.]", "_", each.stem): recorded(each, unit).values
-                    for pattern in patterns
-                    for each in _found(path.parent, pattern)
-                }
+                section["records"] = {}
+                for each in (file for one in patterns for file in _found(path.parent, one)):
+                    label = re.sub("[^A-Za-z0-9_.]", "_", each.stem)
+                    if label in section["records"]:
+                        allowed = "names must differ in letters, digits, _ and ."
+                        raise ValueError(f"records: two files are called {label}; {allowed}")
+                    section["records"][label] = recorded(each, unit).values
         except ValueError as error:
             raise ConfigError(f"{key}: {error}") from None
     return {**config, "earthquakes": read}
 
 
-def _found(folder: Path, pattern: str) -> list[Path]:
+def _found(folder: Path, pattern: Any) -> list[Path]:
     """The files that fit a ``pattern`` in a ``folder``, in order; ValueError if there are none."""
+    if not isinstance(pattern, str):
+        raise ValueError(f"records: {shown(pattern)} is not allowed; it must be names of files")
     if Path(pattern).is_absolute():
         folder, pattern = Path(Path(pattern).anchor), str(Path(pattern).relative_to("/"))
     if found := sorted(folder.glob(pattern)):

@@ -24,6 +24,7 @@ INTENSITIES = {  # columns of the table: names, and what a number is divided by 
     "peak_acceleration_m_s2": ("peak ground acceleration (g)", GRAVITY),
     "peak_velocity_m_s": ("peak ground velocity (m/s)", 1.0),
 }
+SAME = 1e-9  # of the largest intensity: they differ by less
 CONFIDENCE = 0.90  # of the interval of a median
 FLATTEST = 5.0  # dispersion: a larger one says that falls do not depend on the intensity
 
@@ -62,13 +63,16 @@ def fragility(rows: pd.DataFrame, intensity: str) -> dict[str, Any]:
     `CONFIDENCE`; motions that are multiples of one record count as dependent. Where all that falls
     is above all that stands the interval is what lies between.
     """
+    rows = rows[rows[intensity] > 0.0]  # no motion says nothing
     x, fell = rows[intensity].to_numpy(float), rows["falls"].to_numpy(bool)
     found: dict[str, Any] = {"motions": len(rows), "falls": int(fell.sum()), "note": ""}
     if fell.all() or not fell.any():
         return {**found, "note": f"{'all fall' if fell.all() else 'none falls'}: no fit"}
+    if np.ptp(x) < SAME * x.max():
+        return {**found, "note": "one intensity: no fit"}
     least, most = float(x[fell].min()), float(x[~fell].max())
-    if least > most:
-        note = "all that fall are above all that stand: no fit"
+    if least >= most:
+        note = "no motion that stands is above one that falls: no fit"
         return {**found, "median_low": most, "median_high": least, "note": note}
     (median, dispersion), share = _fitted(np.log(x), fell, rows["record"].to_numpy())
     if not 0.0 < dispersion < FLATTEST:

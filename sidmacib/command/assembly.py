@@ -24,14 +24,7 @@ from sidmacib.command.in_time import (
     time_rows,
     yade_row,
 )
-from sidmacib.command.output import (
-    draw,
-    require_answer,
-    say,
-    status_line,
-    text_of,
-    write_text,
-)
+from sidmacib.command.output import draw, require_answer, say, status_line, text_of, write_text
 from sidmacib.command.seismic import answer, checked, seismic_note, seismic_picture, seismic_rows
 from sidmacib.command.structures import (
     curve_rows,
@@ -49,7 +42,7 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import LimitTilt, assumes
 from sidmacib.structure.analysis.reserve import Reserve, reserve
 from sidmacib.structure.analysis.tilt import moves_most
-from sidmacib.structure.files.structure_file import Demand, demands_of, notes_on
+from sidmacib.structure.files.structure_file import Demand, demands_of, files_behind, notes_on
 from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
 from sidmacib.structure.partial_factors import PartialFactors
 from sidmacib.structure.shaking import TimeLoads
@@ -62,6 +55,7 @@ if TYPE_CHECKING:
 
 OF_LOADS = "interfaces", "compas", "capacity_curve", "note"
 ALONG_X: Vector = (1.0, 0.0, 0.0)
+ALONE = "needs a load that is one acceleration"
 NO_LIMIT = "no limit: more than 100"
 
 
@@ -107,12 +101,10 @@ class Wanted:
     @property
     def inputs(self) -> list[Path]:
         """The files that the description is from: the one given, YAML beside it, and meshes."""
-        given, beside = [self.file], self.file.with_suffix(".yaml")
-        if beside.is_file() and "blocks" not in read_yaml(beside):
-            given.append(beside)
-        blocks = self.description["blocks"].values()
-        given += [self.file.parent / each["file"] for each in blocks if "file" in each]
-        return list(dict.fromkeys(given))
+        beside = self.file.with_suffix(".yaml")
+        unread = beside != self.file and beside.is_file() and "blocks" in read_yaml(beside)
+        found = dict.fromkeys(filter(Path.is_file, files_behind(self.file, self.description)))
+        return [path for path in found if path != beside or not unread]
 
     def show(self, rows: Sequence[Row], **about: Any) -> None:
         """Print ``rows``; ``about``: what JSON and CSV say beside them and the input."""
@@ -203,7 +195,8 @@ def passes(wanted: Wanted) -> bool:
 def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
     """The verdict on all load cases; the one that governs is drawn and noted."""
     others = "interfaces", "compas", "capacity_curve"
-    wanted.refuse("needs --case, as the file has load_cases", *others)
+    wanted.refuse("needs --case, as there are several load cases", *others)
+    wanted.refuse(ALONE, "seismic")
     rows, found, governs = case_rows(demands, wanted.tell)
     say(str(found), wanted.form)
     wanted.show(rows, **found.told)
@@ -216,6 +209,7 @@ def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
 def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
     """What there is in reserve without a load; drawn under the acceleration that fells it first."""
     wanted.refuse("needs a load", "interfaces", "compas", "capacity_curve")
+    wanted.refuse(ALONE, "seismic")
     rows, words, passes, weakest = reserve_rows(demand.problem, wanted.tell)
     say(words, wanted.form)
     wanted.show(rows, verdict=words.partition(":")[0].lower(), answer=words)
@@ -259,8 +253,10 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
 
 def _bears_earthquake(wanted: Wanted, problem: Problem) -> bool:
     """Whether the mechanism bears the displacement that the spectrum in the file asks for."""
-    others = "interfaces", "compas", "capacity_curve", "report", "history", "collapse"
+    others = "case", "interfaces", "compas", "capacity_curve", "report", "history", "collapse"
     wanted.refuse("must not be given beside --seismic", *others)
+    if wanted.factors:
+        raise click.UsageError("--gamma-g, -q, -m: must not be given beside --seismic, with its FC")
     found = checked(wanted.description, problem)
     bears, words = answer(found)
     say(words, wanted.form)

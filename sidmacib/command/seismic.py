@@ -55,12 +55,13 @@ def seismic_rows(found: SeismicCheck) -> list[Row]:
     """Each step of the verification, with its formula and the equation's number."""
     curve, spectrum = found.curve, found.spectrum
     alpha = found.start * found.share * found.confidence / GRAVITY
-    ends = "" if curve.path.end == REACHED else f"; {curve.end}"
+    where = "where a = 0" if curve.path.end == REACHED else "where the curve ends, as blocks meet, "
+    where += "" if curve.path.end == REACHED else "fall, or go on in another way"
     values = f"alpha = {alpha:.4g}, e* = {found.share:.4g}, FC = {found.confidence:g}"
     linear = f"q a0 / S, q = {BEHAVIOUR:g} (C8.7.1.2.1.7); {spectrum.ground:.4g} is asked for"
     told = (
         ("a0 (m/s2)", found.start, f"alpha g / (e* FC) (C8.7.1.3); {values}"),
-        ("d0 (m)", found.end, f"where a = 0; d = dC / e* (C8.7.1.4){ends}"),
+        ("d0 (m)", found.end, f"{where}; d = dC / e* (C8.7.1.4)"),
         ("d_SLV (m)", found.ultimate, "0.4 d0 (C8.7.1.2.1.6)"),
         ("T_SLV (s)", found.period, "1.68 pi sqrt(d_SLV / a(d_SLV)) (C8.7.1.10)"),
         ("S_De(T_SLV) (m)", found.demand, "damping 8 % (C8.7.1.2.1.8)"),

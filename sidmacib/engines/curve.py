@@ -77,14 +77,18 @@ def _run(
     return displacement, load
 
 
+PLANE = 1e-6  # of the largest acceleration, squared: motion out of its vertical plane
+
+
 def engine_motion(
     problem: Problem, numerics: Numerics, folder: Path, time_limit: float = HOUR
 ) -> tuple[Floats, Floats]:
     """Times (s), (T,), and displacement (m) and rotation vector of each piece then, (T, P, 6).
 
     YADE moves the ground of loads in time as `sidmacib.dynamics.motion.history` does, but with
-    elastic contacts; pieces turn about the horizontal axis across the first motion. Its files are
-    left in ``folder``. `EngineError` if YADE ends without a result, and for what acts otherwise.
+    elastic contacts; pieces turn about the horizontal axis across the largest acceleration. Its
+    files are left in ``folder``. `EngineError` if YADE ends without a result, and for what acts
+    otherwise or out of one vertical plane.
     """
     assembly, loads = problem
     assert isinstance(loads, TimeLoads), "loads in time"
@@ -95,6 +99,10 @@ def engine_motion(
     ground = loads.accelerations()
     along = ground[np.linalg.norm(ground, axis=1).argmax()]
     across = np.cross(along, [0.0, 0.0, 1.0])
+    if not across.any() or np.abs(ground @ across).max() > PLANE * np.square(along).sum():
+        raise EngineNoAnswerError(
+            "yade: in time moves the ground in one vertical plane, not up alone"
+        )
     moved = Ground(loads.step, ground, across / np.linalg.norm(across))
     write_script(YADE, assembly, loads, numerics, "Structure.", folder, ground=moved)
     execute(YADE, folder, time_limit)

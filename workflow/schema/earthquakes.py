@@ -11,6 +11,7 @@ from sidmacib.structure.shaking import UNITS
 from workflow.schema.sections import Name
 
 OWN = "ground"  # name of the motion in the file itself
+AFTER = 2.0  # s after a record, in which what is about to fall does
 SECONDS = Number(above=0, unit="s")
 _Records = Annotated[
     dict[Name, dict[str, Any]],
@@ -19,7 +20,7 @@ _Records = Annotated[
 
 
 class EarthquakeSection(Section):
-    """A structure whose load acts in time, moved by records at several factors, each to its end.
+    """A structure whose load acts in time, moved by records at several factors, to 2 s after each.
 
     ``file``: of `multilock assembly`, beside the configuration. ``records``: files in place of its
     ground motion, which may be patterns such as records/*.txt; without them, that motion itself.
@@ -42,5 +43,5 @@ class EarthquakeSection(Section):
             (own,) = load["ground"]
             kept = {key: own[key] for key in ("direction", "scale") if key in own}
             ground = [{**kept, "accelerogram": values}]
-            long = max(SECONDS.read(load["duration"]), values["time"][-1])
+            long = max(SECONDS.read(load["duration"]), values["time"][-1] + AFTER)
             yield name, {**whole, "load": {**load, "ground": ground, "duration": long}}

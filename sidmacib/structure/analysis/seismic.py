@@ -20,13 +20,19 @@ import numpy as np
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
-from sidmacib.structure.analysis.kinematics import WEDGE, CapacityCurve, capacity_curve
-from sidmacib.structure.loads import free_weight
+from sidmacib.structure.analysis.kinematics import (
+    FURTHER,
+    WEDGE,
+    CapacityCurve,
+    capacity_curve,
+)
+from sidmacib.structure.loads import StructureLoads, free_weight
 
 CONFIDENCE = 1.35  # factor F_C where no compressive strength is taken into account
 ULTIMATE = 0.4  # d_SLV over d_0
 DAMPING = 0.08  # of the mechanism at SLV
 BEHAVIOUR = 2.0  # factor q of the linear verification
+LEVEL = 1e-9  # of an acceleration: its vertical part
 STILL = 0.02  # of the largest displacement: blocks that move less do not count
 
 
@@ -116,16 +122,22 @@ def seismic_check(
     """The verification of the mechanism of ``assembly`` under ``loads``, an acceleration.
 
     ``confidence``: the factor F_C. Errors of `capacity_curve`; `CapacityError` too where the blocks
-    wedge, or slide without turning, or none moves along the acceleration.
+    wedge, or slide without turning, or none moves along the acceleration, which must be level, and
+    for permanent loads beside weight.
     """
+    push = loads.variable[:, :3].sum(axis=0)
+    if abs(push[2]) > LEVEL * np.linalg.norm(push):
+        raise CapacityError("seismic: the acceleration must be horizontal")
+    if isinstance(loads, StructureLoads) and loads.beside.wrenches.any():
+        allowed = "give what is heavy as blocks"
+        raise CapacityError(f"seismic: permanent loads beside weight have no mass; {allowed}")
     curve = capacity_curve(assembly, loads)
-    if curve.path.end == WEDGE:
+    if curve.path.end in (WEDGE, FURTHER):
         raise CapacityError(f"seismic: {curve.end}")
     if not curve.hinges:
         allowed = "move them in time, by a load with a duration"
         raise CapacityError(f"seismic: blocks slide, which this verification is not for; {allowed}")
     weight = np.array([GRAVITY * piece.mass * (not piece.fixed) for piece in assembly.pieces])
-    push = loads.variable[:, :3].sum(axis=0)
     along = curve.path.positions[0].motion[:, :3] @ (push / np.linalg.norm(push))
     moving = np.abs(along) > STILL * np.abs(along).max()
     P, delta = weight[moving], along[moving]
