@@ -210,6 +210,8 @@ def test_a_file_of_other_things_is_refused_in_a_line(served: Served, text: str, 
 def test_requests_of_files_are_checked(served: Served) -> None:
     asked = {"page": "files", "number": 2, "values": {"files": [{"name": "..", "data": ""}]}}
     assert "must be the name of a file" in served.post("/file", asked).content["error"]
+    asked["values"]["files"][0]["name"] = 305 * "a"
+    assert "a file (File name too long)" in served.post("/file", asked).content["error"]
     assert served.post("/file", {**asked, "values": {"files": "x"}}).status == 400
     assert served.post("/file", {**asked, "values": {"files": [], "kept": "x"}}).status == 400
     assert served.get("/opened?file=999").status == 404

@@ -5,14 +5,17 @@ import fcntl
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from conftest import INSTALLED
 from processes import ROOT, python, ran
 
+from workflow import __main__ as workflow_main
 from workflow import command as workflow_command
 from workflow.configuration import CallError
 
@@ -42,6 +45,21 @@ def test_an_interrupt_while_a_program_loads_is_reported_in_one_line(late: str) -
     found = python("-c", INTERRUPTED + PROGRAM, late)
     assert found.returncode == 1
     assert found.stderr == "Aborted!\n"
+
+
+def test_an_interrupt_while_the_workflow_loads_ends_it_without_a_word() -> None:
+    program = "import runpy; runpy.run_module('workflow', run_name='__main__')"
+    found = python("-c", INTERRUPTED + program, "pydantic")
+    assert (found.returncode, found.stderr) == (-signal.SIGINT, "")
+
+
+def test_a_disk_without_room_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "study.yaml").write_text(SMALL)
+    monkeypatch.setattr(workflow_main, "snakemake", lambda *_, **__: False)
+    for free, why in ((2_000_000, "its disk has 2 MB left"), (10**9, "see above")):
+        monkeypatch.setattr(shutil, "disk_usage", lambda _, free=free: SimpleNamespace(free=free))
+        words = workflow_main.run_study(tmp_path / "study.yaml", f"{tmp_path}/results")
+        assert words == f"{tmp_path}/results: the study is incomplete, {why}"
 
 
 def test_a_picture_is_drawn_in_a_notebook(tmp_path: Path) -> None:

@@ -1,8 +1,14 @@
 """The commands behind `make study`, `make report`, `make decks` and `make cases`."""
 
+import signal
+
+if __name__ == "__main__":  # while it loads: some packages swallow ^C
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 import csv
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -31,12 +37,13 @@ from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_rec
 from workflow.schema import Study
 
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
+LITTLE = 10.0  # MB: with less left, a job may have failed for want of room
 NO_ERROR = re.compile('"error": null')  # in the line of a record
 RETRY = "RETRY"  # in the environment: try all cases without a result again
 
 
 def run_study(config: Path, results: str | None, options: Sequence[str] = ()) -> str | None:
-    """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
+    """Run a study and print its summary; returns why it is incomplete, None if it is not."""
     study = read_study_file(config, results)
     for line in notes(study):
         print(f"Note: {line}", file=sys.stderr)
@@ -52,7 +59,11 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
         print(Path(study.results, "summary.txt").read_text(), end="")
     if whole and not study.samples:  # the summary of joints names it
         print(f"Report: {study.results}/{REPORT}")
-    return None if whole else f"{study.results}: the study is incomplete, see above"
+    if whole:
+        return None
+    left = shutil.disk_usage(study.results).free / 1e6
+    why = f"its disk has {left:.2g} MB left" if left < LITTLE else "see above"
+    return f"{study.results}: the study is incomplete, {why}"
 
 
 def forget_failures(results: Path, *, every: bool) -> None:
@@ -153,6 +164,7 @@ def _state(record: Record[Any] | None, valid: bool) -> dict[str, Any]:
 
 def main() -> None:
     """Command line: a command, a configuration and a results folder."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     parser = options_of("python -m workflow", __doc__, ["study", "report", "decks", "cases"])
     parser.add_argument(
         "--profile", help="profile of a cluster: a folder in profiles, such as slurm"

@@ -25,6 +25,10 @@ CACHES = {  # of Snakemake, matplotlib and numba: in the environment, and where 
 }
 NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 SNAKEMAKE = ".snakemake"  # in the working directory
+SNAKEMAKE_CLI = (  # ^C while it loads ends it without a traceback
+    "import signal; signal.signal(signal.SIGINT, signal.SIG_DFL); from snakemake.cli import main; "
+    "signal.signal(signal.SIGINT, signal.default_int_handler); main()"
+)
 STOPPED = "Stopped. The next run continues from here."
 
 
@@ -143,7 +147,7 @@ def snakemake(
 def snakemake_command(config: Path, results: str, *, engines: bool = True) -> list[str]:
     """The command line of Snakemake for a study, without its targets."""
     return [
-        *(sys.executable, "-m", "snakemake", "--snakefile", str(CHECKOUT / "Snakefile")),
+        *(sys.executable, "-c", SNAKEMAKE_CLI, "--snakefile", str(CHECKOUT / "Snakefile")),
         *("--configfile", str(config), "--config", f"results={results}"),
         *(() if engines else ("dem={engines: []}",)),
     ]

@@ -35,6 +35,7 @@ from sidmacib.structure.files.structure_file import (
     notes_on,
 )
 from sidmacib.structure.loads import SupportMotion
+from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
 KEPT = 64  # examples that are not computed again
@@ -252,9 +253,13 @@ def _opened(path: Path) -> OpenedFile:
 
 def _written(file: SentFile, folder: Path) -> Path:
     path = folder / Path(file.name).name
-    if path == folder or path.name.startswith("."):
-        raise ValueError(f"{file.name!r} is not allowed; it must be the name of a file")
-    path.write_bytes(file.data)
+    try:
+        if path == folder or path.name.startswith("."):
+            raise OSError
+        path.write_bytes(file.data)
+    except OSError as error:
+        why = f" ({error.strerror})" if error.strerror else ""
+        raise refused("file", file.name, f"the name of a file{why}") from None
     return path
 
 
