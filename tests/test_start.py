@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -51,6 +52,17 @@ def test_an_interrupt_while_the_workflow_loads_ends_it_without_a_word() -> None:
     program = "import runpy; runpy.run_module('workflow', run_name='__main__')"
     found = python("-c", INTERRUPTED + program, "pydantic")
     assert (found.returncode, found.stderr) == (-signal.SIGINT, "")
+
+
+def test_times_in_the_future_come_before_now_in_their_order(tmp_path: Path) -> None:
+    now = time.time()
+    for name, when in (("input", now + 1e6), ("output", now + 2e6), ("old", now - 5.0)):
+        (tmp_path / name).write_text("")
+        os.utime(tmp_path / name, (when, when))
+    workflow_command.set_back(tmp_path)
+    old, first, last = ((tmp_path / name).stat().st_mtime for name in ("old", "input", "output"))
+    assert old < first < last <= time.time()
+    assert last - first == pytest.approx(1e6)
 
 
 def test_a_disk_without_room_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,8 @@
 
 A small study is run undisturbed. Then, round by round, faults of one kind are put into its results
 or a run of it, and the next run must end well, with the same tables byte for byte; no process of
-it may be left. Faults are counted by kind in build/faults.csv.
+it may be left. A file that cannot be read is made again, or named; results are never taken for
+those of another study. Faults are counted by kind in build/faults.csv.
 """
 
 import os
@@ -17,12 +18,14 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
+import pandas as pd
 import psutil
 import yaml
 from campaigns.counts import asked, tables_of, write_counts
@@ -30,15 +33,17 @@ from processes import started
 from small import COARSE
 
 from sidmacib.engines.scripts.records import RESULT
-from workflow.results import RECORD
+from workflow.results import BATCH_RECORDS, RECORD
 
 STUDY = COARSE | {
     "eccentricities": [0, "torsion"],
     "dem": {"engines": ["yade"], "time_limit": 60},
     "sidmacib": {"reductions": ["none", "half"]},
 }
+STRONGER = {"materials": {"inner": {"cohesion": 1.2e5}}}
 LONGEST = 300.0  # s, of a run
 RUN = (sys.executable, "-m", "workflow", "study")
+READ = (RECORD, BATCH_RECORDS)
 # Root without the right to write where nobody may.
 AS_ANYBODY = ("setpriv", "--bounding-set=-dac_override,-dac_read_search")
 # What an engine's script may be run by in place of Python (YADE_PYTHON): none of it gives a result.
@@ -64,16 +69,19 @@ class Campaign:
     random: random.Random
     kills: int = 4  # processes of one round
     counts: Counter[str] = field(default_factory=Counter)
+    results: Path = field(init=False)
 
-    @property
-    def results(self) -> Path:
-        """Of the study that is disturbed."""
-        return self.folder / "results"
+    def __post_init__(self) -> None:
+        self.results = self.folder / "results"
 
     def run(
-        self, limit: int | None = None, prefix: Sequence[str] = (), **environment: str
+        self,
+        limit: int | None = None,
+        prefix: Sequence[str] = (),
+        changed: Mapping[str, Any] = {},
+        **environment: str,
     ) -> subprocess.Popen[str]:
-        """Begin the study, perhaps by another command, ``prefix``.
+        """Begin the study with ``changed`` keys, perhaps by another command, ``prefix``.
 
         ``limit``: bytes that a file may have, as on a disk that is full.
         """
@@ -85,7 +93,7 @@ class Campaign:
 
         study = self.folder / "study.yaml"
         config = STUDY | ({"dem": {"engines": ["yade"], "time_limit": 3}} if environment else {})
-        study.write_text(yaml.safe_dump(config))
+        study.write_text(yaml.safe_dump({**config, **changed}))
         words = (*prefix, *RUN, str(study), f"--results={self.results}")
         env = {**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment}
         return started(*words, env=env, start_new_session=True, preexec_fn=full)  # no threads here
@@ -180,7 +188,55 @@ def bad_engine(campaign: Campaign) -> None:
     campaign.counts["bad engine"] += 2  # its cases
 
 
-FAULTS = (deleted, full_disk, read_only, two_runs, killed, bad_engine)
+def corrupted(campaign: Campaign) -> None:
+    """A file of which a disk has lost a part: what the next run does not mend it names."""
+    kept = [p for p in campaign.files() if p.name in READ or p.suffix == ".parquet"]
+    path = campaign.random.choice(kept)
+    content = path.read_bytes()
+    at = campaign.random.randrange(len(content))
+    path.write_bytes(content[:at] + bytes(campaign.random.choice((0, len(content) - at))))
+    campaign.counts["corrupted"] += 1
+    process = campaign.run()
+    output = campaign.finished(process)
+    if process.returncode:
+        if str(path) not in output:
+            raise LostError(f"{path} was damaged, and is not named: {output[-3000:]}")
+        path.unlink()
+
+
+def replaced(campaign: Campaign) -> None:
+    """A record in the place of another's: results of one case are never those of another."""
+    records = [path for path in campaign.files() if path.name == RECORD]
+    one, other = campaign.random.sample(records, 2)
+    shutil.copy(one, other)
+    campaign.counts["replaced"] += 1
+
+
+def shifted(campaign: Campaign) -> None:
+    """Another study on results that were moved, by a clock that was wrong."""
+    moved = campaign.folder / f"results-{campaign.counts.total()}"
+    campaign.results.rename(moved)
+    campaign.results = moved
+    for path in campaign.files():
+        when = time.time() + campaign.random.uniform(-1e8, 1e8)
+        os.utime(path, (when, when))
+    process = campaign.run(changed=STRONGER)
+    output = campaign.finished(process)
+    if process.returncode:
+        raise LostError(f"another study does not run on moved results: {output[-2000:]}")
+    weaker, stronger = (
+        float(pd.read_csv(results / "tables/cases.csv")["load_N"].max())
+        for results in (campaign.folder / "undisturbed", moved)
+    )
+    if not stronger > 1.2 * weaker:
+        raise LostError(f"results of another study were taken for current: {output[-2000:]}")
+    campaign.counts["shifted clock"] += 1
+
+
+FAULTS = (
+    *(deleted, corrupted, replaced, shifted),
+    *(full_disk, read_only, two_runs, killed, bad_engine),
+)
 
 
 # --- what may be left ----------------------------------------------------------------------------
@@ -211,6 +267,7 @@ def begun(seed: int) -> Iterator[Campaign]:
         output = campaign.finished(process)
         if process.returncode:
             raise LostError(f"the study does not run undisturbed: {output[-2000:]}")
+        shutil.copytree(campaign.results, campaign.folder / "undisturbed")
         yield campaign
 
 

@@ -6,7 +6,7 @@ import re
 import shlex
 
 from workflow.step import NOTE, code_digest, noted
-from workflow.command import lock
+from workflow.command import lock, set_back
 
 CAPTIONS = {  # of files in the report of Snakemake, by suffix
     ".csv": ("Tables", "table.rst"),
@@ -19,6 +19,8 @@ TIME_LIMIT = math.ceil(STUDY.dem.time_limit)  # s, of an engine in each case
 NOTES = "notes"  # folder of what was asked of each job
 NOTED = {}  # their paths
 LOCKS = []  # of the results folder, held until this process ends
+if workflow.is_main_process:
+    set_back(Path(RESULTS))
 
 # A limit for clusters: with it, Snakemake polls once a second for each job that has ended.
 if workflow.executor_plugin and workflow.executor_plugin.common_settings.local_exec:
