@@ -38,7 +38,7 @@ from workflow.jobs import (
     nodes_of,
     solved_resources,
 )
-from workflow.results import BROKE_DOWN, RECORD
+from workflow.results import BROKE_DOWN, RECORD, record_without_result
 from workflow.step import KilledError
 
 # --- which there are -----------------------------------------------------------------------------
@@ -278,14 +278,34 @@ def test_a_second_run_in_the_same_folder_is_refused_while_the_first_lives(tmp_pa
 def test_an_engine_that_broke_down_is_tried_again_and_one_without_an_answer_on_request(
     tmp_path: Path, error: str | None, each_time: bool, on_request: bool
 ) -> None:
-    path = tmp_path / "cases/yade/one/record.json"
+    case = case_on(mesh=0.02)
+    path = tmp_path / case.folder / RECORD
     path.parent.mkdir(parents=True)
     for every, gone in ((False, each_time), (True, on_request)):
-        path.write_text(json.dumps({"error": error}) + "\n")
+        path.write_text(record_without_result(case, error=error).to_json() + "\n")
         if each_time:  # as its step leaves it
             path.with_name(BROKE_DOWN).touch()
         forget_failures(tmp_path, every=every)
         assert path.exists() is not gone
+
+
+def test_records_of_other_cases_and_damaged_ones_are_made_again(tmp_path: Path) -> None:
+    case = case_on(mesh=0.02)
+    other = replace(case, name="other")
+    text = record_without_result(case).to_json() + "\n"
+    for place, content, kept in (
+        (case, text, True),
+        (other, text, False),
+        (case, text.replace('"kind"', '"k\0nd"'), False),
+        (case, text[:-20], False),
+        (case, "", False),
+    ):
+        path = tmp_path / place.folder / RECORD
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+        forget_failures(tmp_path, every=False)
+        assert path.exists() is kept
+        path.unlink(missing_ok=True)
 
 
 def case_on(mesh: float) -> JointCase:

@@ -116,7 +116,7 @@ def test_contacts_of_the_model_have_forces_at_their_corners() -> None:
         (lambda it: it.add_point_load(7, [1.0, 0.0, 0.0]), {}, "block_index: 7 is not allowed"),
         (None, {"limit": True}, "limit: the problem must have loads"),
         (None, {"laws": {"load": {}}}, "laws: 'load' is not allowed"),
-        (None, {"laws": {"interface": {}}}, "laws: unknown key 'interface'"),
+        (None, {"laws": {"interface": {}}}, "interface: unknown key; did you mean interfaces"),
     ],
 )
 def test_what_is_not_understood_is_named(condition: Any, parameters: Any, words: str) -> None:

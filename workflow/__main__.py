@@ -7,7 +7,6 @@ if __name__ == "__main__":  # while it loads: some packages swallow ^C
 
 import csv
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.command.output import FORMATS, text_of
+from sidmacib.errors import ResultError
 from sidmacib.models import REFERENCE_MODEL
 from workflow.case import Case
 from workflow.command import (
@@ -38,7 +38,6 @@ from workflow.schema import Study
 
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
 LITTLE = 10.0  # MB: with less left, a job may have failed for want of room
-NO_ERROR = re.compile('"error": null')  # in the line of a record
 RETRY = "RETRY"  # in the environment: try all cases without a result again
 
 
@@ -69,14 +68,19 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
 def forget_failures(results: Path, *, every: bool) -> None:
     """Remove the records of cases without a result, so that the next run tries them again.
 
-    Those that an engine broke down in, or ``every`` one; and records that were cut short.
+    Those that an engine broke down in, or ``every`` one; and records that cannot be read.
     """
     records = [mark.with_name(RECORD) for mark in results.rglob(BROKE_DOWN)]
     for path in (*results.rglob(RECORD), *results.rglob(BATCH_RECORDS)):
-        if not path.read_bytes().endswith(b"}\n"):
-            print(f"{path}: damaged, not a whole record; its cases run again", file=sys.stderr)
-            records.append(path)
-        elif every and not all(map(NO_ERROR.search, path.open())):
+        try:
+            found = read_records([path])
+            own = [results / each.folder for each in found] == [path.parent]
+            if not found or (path.name == RECORD and not own):
+                raise ResultError(f"{path}: damaged, not the record of this case")
+            if every and any(each.error is not None for each in found):
+                records.append(path)
+        except ResultError as error:
+            print(f"{error}; its cases run again", file=sys.stderr)
             records.append(path)
     for path in records:
         path.unlink(missing_ok=True)
