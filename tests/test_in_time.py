@@ -430,3 +430,18 @@ def test_a_motion_that_goes_on_is_noted_and_collapse_needs_one(tmp_path: Path) -
     path.write_text(yaml.safe_dump({**still, "load": {"acceleration": [1, 0, 0]}}))
     words = "--collapse: needs a load with a duration"
     assert words in run("assembly", str(path), "--collapse").output
+
+
+@pytest.mark.parametrize("option", [("--history", "h.csv"), ("--collapse",)])
+def test_what_needs_a_duration_is_refused_beside_load_cases_and_the_reserve(
+    tmp_path: Path, option: tuple[str, ...]
+) -> None:
+    given = described({"ground": GROUND, "block": FLAT}, {"acceleration": [1, 0, 0]}, 0.5)
+    path = tmp_path / "it.yaml"
+    cases = {"load_cases": {"a": {"acceleration": [1, 0, 0], "newtons": 1}}}
+    for each in (given, {k: v for k, v in given.items() if k != "load"} | cases):
+        path.write_text(yaml.safe_dump(each))
+        for more in ((), ("--reserve",)):
+            found = run("assembly", str(path), *option, *more)
+            assert found.exit_code == 2
+            assert f"{option[0]}: needs a load with a duration" in found.output

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 OF_LOADS = "interfaces", "compas", "capacity_curve", "note"
 ALONG_X: Vector = (1.0, 0.0, 0.0)
 ALONE = "needs a load that is one acceleration"
+LASTS = "needs a load with a duration (load.duration)"
 NO_LIMIT = "no limit: more than 100"
 
 
@@ -185,7 +186,7 @@ def passes(wanted: Wanted) -> bool:
         return _bears_earthquake(wanted, first.problem)
     if isinstance(first.problem.loads, TimeLoads):
         return _stands_in_time(wanted, first.problem)
-    wanted.refuse("needs a load with a duration (load.duration)", "history", "collapse")
+    wanted.refuse(LASTS, "history", "collapse")
     if isinstance(first.problem.loads, SupportMotion):
         _answer_support(wanted, first.problem)
         return True
@@ -197,6 +198,7 @@ def _cases_pass(wanted: Wanted, demands: Sequence[Demand]) -> bool:
     others = "interfaces", "compas", "capacity_curve"
     wanted.refuse("needs --case, as there are several load cases", *others)
     wanted.refuse(ALONE, "seismic")
+    wanted.refuse(LASTS, "history", "collapse")
     rows, found, governs = case_rows(demands, wanted.tell)
     say(str(found), wanted.form)
     wanted.show(rows, **found.told)
@@ -210,6 +212,7 @@ def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
     """What there is in reserve without a load; drawn under the acceleration that fells it first."""
     wanted.refuse("needs a load", "interfaces", "compas", "capacity_curve")
     wanted.refuse(ALONE, "seismic")
+    wanted.refuse(LASTS, "history", "collapse")
     rows, words, passes, weakest = reserve_rows(demand.problem, wanted.tell)
     say(words, wanted.form)
     wanted.show(rows, verdict=words.partition(":")[0].lower(), answer=words)
@@ -253,10 +256,11 @@ def _stands_in_time(wanted: Wanted, problem: Problem) -> bool:
 
 def _bears_earthquake(wanted: Wanted, problem: Problem) -> bool:
     """Whether the mechanism bears the displacement that the spectrum in the file asks for."""
-    others = "case", "interfaces", "compas", "capacity_curve", "report", "history", "collapse"
+    others = "case", "interfaces", "compas", "capacity_curve", "report"
     wanted.refuse("must not be given beside --seismic", *others)
     if wanted.factors:
         raise click.UsageError("--gamma-g, -q, -m: must not be given beside --seismic, with its FC")
+    wanted.refuse(LASTS, "history", "collapse")
     found = checked(wanted.description, problem)
     bears, words = answer(found)
     say(words, wanted.form)
