@@ -16,7 +16,7 @@ from scipy.stats import norm
 from analysis.summary.earthquakes import summary
 from analysis.tables.earthquakes import earthquakes_table, fragility, fragility_table
 from sidmacib.mechanics.assembly import GRAVITY
-from workflow.configuration import ConfigError, load_configuration, read_study, read_study_file
+from workflow.configuration import ConfigError, read_study_file
 from workflow.earthquakes import moved
 from workflow.jobs import case_jobs
 from workflow.schema import Study
@@ -181,11 +181,18 @@ def test_a_summary_counts_what_is_open(tmp_path: Path) -> None:
     assert "1 motions are open or have no result" in text
 
 
+def test_a_structure_without_any_answer_is_named(tmp_path: Path) -> None:
+    ((case,),) = case_jobs(study_of(tmp_path)).earthquakes.values()
+    record = moved(case)
+    table = earthquakes_table([replace(record, part=replace(record.part, falls=None))])
+    assert "block: 0 of 0 motions bring it down" in summary(fragility_table(table), table)
+
+
 @pytest.mark.study
 def test_a_study_of_earthquakes_is_one_command(tmp_path: Path) -> None:
     study_of(tmp_path, factors=[1, 3])
-    config = load_configuration(tmp_path / "study.yaml", {})
-    assert read_study(config).earthquakes
+    assert read_study_file(tmp_path / "study.yaml").earthquakes
+    config = yaml.safe_load((tmp_path / "study.yaml").read_text())
     run_study(config, tmp_path, *TARGETS)
     table = pd.read_csv(tmp_path / "tables/earthquakes.csv")
     assert list(table["factor"]) == [1, 3]

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from scipy.stats import norm
 
 from analysis.figures import style
-from analysis.tables.earthquakes import INTENSITIES, known
+from analysis.tables.earthquakes import CONFIDENCE, INTENSITIES, known
 from sidmacib.drawing import BLUE, GREY, VERMILION
 from workflow.results.tables import EARTHQUAKES, FRAGILITY, read_table
 from workflow.step import Arguments, step
@@ -32,7 +32,8 @@ def figure(name: str, earthquakes: pd.DataFrame, fragilities: pd.DataFrame) -> F
             axes.plot(along, share, color=GREY, label="lognormal fit")
             if pd.notna(row["median_low"]):
                 ends = [row["median_low"] / unit, row["median_high"] / unit]
-                axes.plot(ends, [0.5, 0.5], color=GREY, linewidth=4, alpha=0.5, label="90 %")
+                label = f"{100 * CONFIDENCE:g} %"
+                axes.plot(ends, [0.5, 0.5], color=GREY, linewidth=4, alpha=0.5, label=label)
         axes.set_xlabel(words)
         axes.set_xlim(left=0.0)
     drawn.axes[0].set_ylabel("share that falls")

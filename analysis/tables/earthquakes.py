@@ -6,7 +6,6 @@ Fragility is a lognormal distribution, fitted by maximum likelihood (Baker, Eart
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -31,22 +30,14 @@ FLATTEST = 5.0  # dispersion: a larger one says that falls do not depend on the 
 
 def earthquakes_table(records: Sequence[EarthquakeRecord]) -> pd.DataFrame:
     """A row for each record and factor."""
-    names = {"model", "error"}
-    return EARTHQUAKES.frame(
-        {
-            **asdict(each.part),
-            **{name: getattr(each, name) for name in names},
-            "case": each.name,
-        }
-        for each in records
-    )
+    return EARTHQUAKES.frame({**each.columns(), "case": each.name} for each in records)
 
 
 def fragility_table(earthquakes: pd.DataFrame) -> pd.DataFrame:
     """A row for each structure and measure of intensity; cases that are open do not count."""
     return FRAGILITY.frame(
-        {"structure": structure, "intensity": name, **fragility(rows, name)}
-        for structure, rows in known(earthquakes).groupby("structure", sort=False)
+        {"structure": structure, "intensity": name, **fragility(known(rows), name)}
+        for structure, rows in earthquakes.groupby("structure", sort=False)
         for name in INTENSITIES
     )
 
@@ -66,10 +57,8 @@ def fragility(rows: pd.DataFrame, intensity: str) -> dict[str, Any]:
     rows = rows[rows[intensity] > 0.0]  # no motion says nothing
     x, fell = rows[intensity].to_numpy(float), rows["falls"].to_numpy(bool)
     found: dict[str, Any] = {"motions": len(rows), "falls": int(fell.sum()), "note": ""}
-    if fell.all() or not fell.any():
-        return {**found, "note": f"{'all fall' if fell.all() else 'none falls'}: no fit"}
-    if np.ptp(x) < SAME * x.max():
-        return {**found, "note": "one intensity: no fit"}
+    if note := _without_fit(x, fell):
+        return {**found, "note": f"{note}: no fit"}
     least, most = float(x[fell].min()), float(x[~fell].max())
     if least >= most:
         note = "no motion that stands is above one that falls: no fit"
@@ -83,6 +72,17 @@ def fragility(rows: pd.DataFrame, intensity: str) -> dict[str, Any]:
     reach = float(norm.ppf(0.5 + 0.5 * CONFIDENCE)) * share
     ends = math.exp(median - reach), math.exp(median + reach)
     return {**found, "median_low": ends[0], "median_high": ends[1]}
+
+
+def _without_fit(x: Floats, fell: Any) -> str:
+    """Why intensities ``x``, some of which ``fell`` a structure, tell nothing, or nothing."""
+    if not len(x):
+        return "no answer"
+    if fell.all():
+        return "all fall"
+    if not fell.any():
+        return "none falls"
+    return "one intensity" if np.ptp(x) < SAME * x.max() else ""
 
 
 def _fitted(x: Floats, fell: Floats, records: Any) -> tuple[tuple[float, float], float | None]:
