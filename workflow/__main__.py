@@ -30,7 +30,7 @@ from workflow.command import (
     snakemake_command,
     study_with_joints,
 )
-from workflow.configuration import ConfigError, read_study_file
+from workflow.configuration import read_study_file
 from workflow.consistency import notes
 from workflow.jobs import case_jobs
 from workflow.results import BATCH_RECORDS, BROKE_DOWN, RECORD, Record, read_records
@@ -101,8 +101,6 @@ def _first_report(config: Path, study: Study) -> None:
 def write_report(config: Path, results: str | None) -> str | None:
     """Write the report; returns an error message, or None."""
     study = read_study_file(config, results)
-    if not study.samples and not study.structures:
-        raise ConfigError("samples: missing; a report needs joints or structures")
     return _made(config, study, "report", str(Path(study.results, REPORT)))
 
 

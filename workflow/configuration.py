@@ -13,6 +13,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.models import LAWS, MODELS, RESISTANCES, SOLVED
 from sidmacib.quantities import shown
 from sidmacib.reading import faults, shown_key
+from sidmacib.validation import refused
 from sidmacib.yaml_text import TextError, read_yaml
 from workflow.consistency import inconsistencies, requirements, rule_refusal
 from workflow.schema import Study, with_changes
@@ -59,7 +60,7 @@ def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]
         raise ConfigError(
             f"{path}: {shown(config)} is not a study; it must be a mapping of keys to values"
         )
-    return _with_records(_with_descriptions(with_changes(config or {}, changes), path), path)
+    return _with_descriptions(with_changes(config or {}, changes), path)
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
@@ -89,89 +90,70 @@ def with_installed_engines(study: Study) -> Study:
 
 
 def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
-    """``config`` with the descriptions of its structures, and blocks from mesh files, as values.
+    """``config`` with descriptions of structures, blocks from mesh files, and records as values.
 
     Files are relative to the one that names them: ``path``, or the file of a structure.
     """
-    structures = config.get("structures")
-    if not isinstance(structures, Mapping):
-        return config
-    from sidmacib.structure.files.structure_file import with_bodies  # noqa: PLC0415 (polygons take long to import)
-
-    read = {**structures}
-    for name, given in structures.items():
-        if not isinstance(given, Mapping):
-            continue
-        key, own = f"{path}: structures.{shown_key(name)}", path
-        read[name] = section = {**given}
-        if isinstance(file := section.get("file"), str):
-            if "description" in section:
-                raise ConfigError(f"{key}: file and description are both given; give only one")
-            own, key = path.parent / file, f"{key}.file: {file}"
-        variants = section.get("variants")
-        try:
-            if own is not path:
-                section["description"] = read_yaml(own)
-            if "description" in section:
-                section["description"] = with_bodies(section["description"], own.parent)
-            if isinstance(variants, Mapping):
-                within = {which: with_bodies(of, own.parent) for which, of in variants.items()}
-                section["variants"] = within
-        except ValueError as error:
-            raise ConfigError(f"{key}: {error}") from None
-    return {**config, "structures": read}
+    for kind in ("structures", "earthquakes"):
+        if isinstance(sections := config.get(kind), Mapping):
+            read = {
+                name: _described(given, path, f"{path}: {kind}.{shown_key(name)}")
+                if isinstance(given, Mapping)
+                else given
+                for name, given in sections.items()
+            }
+            config = {**config, kind: read}
+    return config
 
 
-def _with_records(config: dict[str, Any], path: Path) -> dict[str, Any]:
-    """``config`` with the descriptions and the records of its earthquakes as values.
+def _described(given: Mapping[str, Any], path: Path, key: str) -> dict[str, Any]:
+    """The section of a structure with what its files say; ``key``: its place, for errors."""
+    # Polygons take long to import.
+    from sidmacib.structure.files.structure_file import with_bodies  # noqa: PLC0415
+    from sidmacib.structure.files.time_loads import with_records  # noqa: PLC0415
 
-    Their files are beside ``path``; those that a structure's file names are beside that.
-    """
-    earthquakes = config.get("earthquakes")
-    if not isinstance(earthquakes, Mapping):
-        return config
-    from sidmacib.structure.files.structure_file import with_bodies  # noqa: PLC0415 (as above)
-    from sidmacib.structure.files.time_loads import recorded, with_records  # noqa: PLC0415
+    section, own, place = {**given}, path, key
+    if isinstance(file := section.get("file"), str):
+        if "description" in section:
+            raise ConfigError(f"{key}: file and description are both given; give only one")
+        own, place = path.parent / file, f"{key}.file: {file}"
+    variants, records = section.get("variants"), section.get("records")
+    try:
+        if own is not path:
+            section["description"] = read_yaml(own)
+        if "description" in section:
+            whole = with_bodies(section["description"], own.parent)
+            section["description"] = with_records(whole, own.parent)
+        if isinstance(variants, Mapping):
+            within = {which: with_bodies(of, own.parent) for which, of in variants.items()}
+            section["variants"] = within
+        if records is not None and not isinstance(records, Mapping):
+            place = key
+            section["records"] = _records(records, section.get("unit"), path.parent)
+    except ValueError as error:
+        raise ConfigError(f"{place}: {error}") from None
+    return section
+
+
+def _records(patterns: Any, unit: Any, folder: Path) -> dict[str, dict[str, list[float]]]:
+    """The values of the records in files that fit ``patterns``, by names; ValueError."""
+    from sidmacib.structure.files.block_files import files_named  # noqa: PLC0415 (as above)
+    from sidmacib.structure.files.time_loads import recorded  # noqa: PLC0415
     from sidmacib.structure.shaking import UNITS  # noqa: PLC0415
 
-    read = {**earthquakes}
-    for name, given in earthquakes.items():
-        if not isinstance(given, Mapping):
-            continue
-        key = f"{path}: earthquakes.{shown_key(name)}"
-        read[name] = section = {**given}
-        try:
-            if isinstance(file := section.get("file"), str):
-                own = path.parent / file
-                section["description"] = with_records(
-                    with_bodies(read_yaml(own), own.parent), own.parent
-                )
-            patterns = section.get("records")
-            if not isinstance(patterns, list | Mapping):
-                patterns = () if patterns is None else (patterns,)
-            if not isinstance(patterns, Mapping):
-                unit = UNITS.get(str(section.get("unit")))
-                section["records"] = {}
-                for each in (file for one in patterns for file in _found(path.parent, one)):
-                    label = re.sub("[^A-Za-z0-9_.]", "_", each.stem)
-                    if label in section["records"]:
-                        allowed = "names must differ in letters, digits, _ and ."
-                        raise ValueError(f"records: two files are called {label}; {allowed}")
-                    section["records"][label] = recorded(each, unit).values
-        except ValueError as error:
-            raise ConfigError(f"{key}: {error}") from None
-    return {**config, "earthquakes": read}
-
-
-def _found(folder: Path, pattern: Any) -> list[Path]:
-    """The files that fit a ``pattern`` in a ``folder``, in order; ValueError if there are none."""
-    if not isinstance(pattern, str):
-        raise ValueError(f"records: {shown(pattern)} is not allowed; it must be names of files")
-    if Path(pattern).is_absolute():
-        folder, pattern = Path(Path(pattern).anchor), str(Path(pattern).relative_to("/"))
-    if found := sorted(folder.glob(pattern)):
-        return found
-    raise ValueError(f"records: {shown(pattern)} is not allowed; it must be files that are there")
+    found: dict[str, dict[str, list[float]]] = {}
+    for pattern in patterns if isinstance(patterns, list) else [patterns]:
+        if not isinstance(pattern, str):
+            raise refused("records", pattern, "names of files")
+        if not (files := files_named(pattern, folder)):
+            raise refused("records", pattern, "files that are there")
+        for each in files:
+            name = re.sub("[^A-Za-z0-9_.]", "_", each.stem)
+            if name in found:
+                allowed = "names must differ in letters, digits, _ and ."
+                raise ValueError(f"records: two files are called {name}; {allowed}")
+            found[name] = recorded(each, UNITS.get(str(unit))).values
+    return found
 
 
 def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from sidmacib.engines import YADE, Numerics
-from sidmacib.engines.render import Ground, write_script
+from sidmacib.engines.render import GroundSteps, write_script
 from sidmacib.engines.results import read_history
 from sidmacib.engines.run import HOUR, USUAL, EngineError, EngineNoAnswerError, execute, refusal
 from sidmacib.engines.scripts.records import HISTORY
@@ -103,7 +103,7 @@ def engine_motion(
         raise EngineNoAnswerError(
             "yade: in time moves the ground in one vertical plane, not up alone"
         )
-    moved = Ground(loads.step, ground, across / np.linalg.norm(across))
+    moved = GroundSteps(loads.step, ground, across / np.linalg.norm(across))
     write_script(YADE, assembly, loads, numerics, "Structure.", folder, ground=moved)
     execute(YADE, folder, time_limit)
     rows = np.loadtxt(folder / HISTORY, delimiter=",", skiprows=1)

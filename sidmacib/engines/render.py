@@ -52,7 +52,7 @@ ENVIRONMENT = jinja2.Environment(
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class GroundSteps:
     """Accelerations of the ground in steps of ``step`` (s), (K, 3) in m/s2.
 
     Pieces turn about the horizontal axis ``across`` the motion, a unit vector.
@@ -82,7 +82,7 @@ def write_script(
     folder: Path,
     guide: Guide | None = None,
     furthest: float | None = None,
-    ground: Ground | None = None,
+    ground: GroundSteps | None = None,
 ) -> None:
     """Write into ``folder`` all that the engine needs to run there, by hand as well.
 

@@ -69,10 +69,10 @@ class Cracked:
         for number, (bottom, crack) in enumerate(zip(courses, self.crack, strict=False), start=1):
             here = self.turns & np.isclose(self.low[:, 1], bottom)
             far = self.toe - self.low[here, 0].min() if here.any() else 0.0
-            names = "specimen", "course", "crack_m", "computed_m"
-            yield dict(
-                zip(names, (self.specimen, number, crack, round(float(far), 6)), strict=True)
-            )
+            yield {
+                **{"specimen": self.specimen, "course": number, "crack_m": crack},
+                "computed_m": round(float(far), 6),
+            }
 
     def draw(self, axes: Axes) -> None:
         """Stones that turn in colour, and the crack."""

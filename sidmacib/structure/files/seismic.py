@@ -7,8 +7,7 @@ from pydantic import model_validator
 from sidmacib.quantities import Number
 from sidmacib.reading import Keys
 from sidmacib.structure.analysis.seismic import CONFIDENCE, Spectrum
-
-_Period = Annotated[float, Number(above=0, unit="s")]
+from sidmacib.structure.files.time_loads import Seconds
 
 
 class SeismicSection(Keys):
@@ -20,11 +19,11 @@ class SeismicSection(Keys):
     """soil factor"""
     F0: Annotated[float, Number(above=1)] = 2.5
     """largest amplification"""
-    TB: _Period
+    TB: Seconds
     """period where the flat part begins, s"""
-    TC: _Period
+    TC: Seconds
     """period where it ends, s"""
-    TD: _Period
+    TD: Seconds
     """period from which the displacement is constant, s"""
     confidence: Annotated[float, Number(at_least=1)] = CONFIDENCE
     """confidence factor F_C; 1.35 where no compressive strength is taken into account"""
