@@ -8,9 +8,9 @@ curve of the mechanism becomes that of an oscillator,
     a = \frac{\alpha g}{e^* F_C}, \quad d = \frac{d_C}{e^*}, \quad
     e^* = \frac{(\sum P \delta)^2}{\sum P \, \sum P \delta^2}
 
-where :math:`d_C` is the mean displacement by weight, P are the weights of the blocks that move and
-:math:`\delta` their first displacements along the acceleration. It bears 0.4 of the displacement
-:math:`d_0` at which a is 0. Blocks are rigid, and stand on the ground.
+where :math:`d_C` is the mean displacement by weight, P are the weights of the bodies that move (of
+blocks that move as one), and :math:`\delta` their first displacements along the acceleration. It
+bears 0.4 of the displacement :math:`d_0` at which a is 0. Blocks are rigid and stand on the ground.
 """
 
 import math
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Integers, Loads
 from sidmacib.structure.analysis.kinematics import (
     FURTHER,
     WEDGE,
@@ -33,7 +33,7 @@ ULTIMATE = 0.4  # d_SLV over d_0
 DAMPING = 0.08  # of the mechanism at SLV
 BEHAVIOUR = 2.0  # factor q of the linear verification
 LEVEL = 1e-9  # of an acceleration: its vertical part
-STILL = 0.02  # of the largest displacement: blocks that move less do not count
+STILL = 0.02  # of the largest displacement: less counts as none
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,14 @@ def seismic_check(
     if not curve.hinges:
         allowed = "move them in time, by a load with a duration"
         raise CapacityError(f"seismic: blocks slide, which this verification is not for; {allowed}")
-    weight = np.array([GRAVITY * piece.mass * (not piece.fixed) for piece in assembly.pieces])
-    along = curve.path.positions[0].motion[:, :3] @ (push / np.linalg.norm(push))
-    moving = np.abs(along) > STILL * np.abs(along).max()
-    P, delta = weight[moving], along[moving]
+    weight = np.array([piece.weight * (not piece.fixed) for piece in assembly.pieces])
+    motion = curve.path.positions[0].motion
+    along = motion[:, :3] @ (push / np.linalg.norm(push))
+    bodies = _bodies(assembly, motion)
+    P = np.bincount(bodies, weight)
+    delta = np.bincount(bodies, weight * along) / np.where(P, P, 1.0)
+    moving = np.abs(delta) > STILL * np.abs(delta).max()
+    P, delta = P[moving], delta[moving]
     if not (first := float(P @ delta)) > 0.0:
         raise CapacityError("seismic: no block moves along the acceleration")
     share = first**2 / float(P.sum() * (P @ delta**2))
@@ -155,3 +159,21 @@ def seismic_check(
         curve.load / free_weight(assembly) * GRAVITY / (share * confidence),
         curve.displacement * stretch,
     )
+
+
+def _bodies(assembly: Assembly, motion: Floats) -> Integers:
+    """Of each piece the number of the rigid body that it moves with, from its ``motion``, (P,).
+
+    Pieces that move as one are one in the sums: how a wall is cut into blocks must not matter.
+    """
+    centre = np.array([piece.centre for piece in assembly.pieces])
+    near = STILL * float(np.linalg.norm(motion[:, :3], axis=1).max())
+    found, count = np.full(len(centre), -1), 0
+    for k in range(len(centre)):
+        if found[k] < 0:
+            carried = motion[k, :3] + np.cross(motion[k, 3:], centre - centre[k])
+            apart = np.linalg.norm(motion[:, :3] - carried, axis=1)
+            turns = np.linalg.norm(motion[:, 3:] - motion[k, 3:], axis=1) * assembly.length
+            found[(found < 0) & (apart < near) & (turns < near)] = count
+            count += 1
+    return found
