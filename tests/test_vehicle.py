@@ -142,6 +142,18 @@ def test_an_axle_stands_on_the_highest_face_under_it_and_on_both_sides_of_a_join
     assert deck.under(9.0, 0.5) == (0.0, [])
 
 
+def test_where_an_axle_would_be_on_a_joint_it_stands_just_before_and_behind() -> None:
+    """Each block of two carries half of the axle there, which may find a higher factor."""
+    arch = ring(12, 1.0, 0.2)
+    joint = -math.cos(math.pi / 6) * 1.1
+    lorry = {"axles": ["10kN"], "spacings": [], "start": [joint, 0.5], "end": [-joint, 0.5]}
+    found = demands_of(moving(arch, **lorry, positions=2))
+    at = [each.position.value for each in found if each.position]
+    assert at == pytest.approx([joint - 1e-3, joint + 1e-3, -joint - 1e-3, -joint + 1e-3])
+    for each in found:
+        assert np.count_nonzero(each.problem.loads.variable[:, 2]) == 1
+
+
 def test_an_axle_stands_on_a_slope_at_its_height() -> None:
     deck = Deck(demands_of(moving(ring(*RING)))[0].problem.assembly)
     z, (number,) = deck.under(-1.0, 0.5)

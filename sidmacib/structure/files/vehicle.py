@@ -1,18 +1,20 @@
 """The keys of a structure's file for a vehicle that moves over it."""
 
 import math
+from collections.abc import Iterator, Sequence
 from itertools import accumulate
 from typing import Annotated, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.quantities import Newtons, Number
 from sidmacib.reading import Keys, PlanPoint, Some
 from sidmacib.structure.loads import Permanent
 from sidmacib.structure.vehicle import Deck, Position
 
+BESIDE = 1e-3  # m: from a joint, of an axle that would be on it
 DIGITS = 9  # of a position (m) after the decimal point
 MOVING = "vehicle: moves, and is for multilock assembly only"
 
@@ -32,7 +34,7 @@ class VehicleSection(Keys):
     end: PlanPoint
     """likewise at the last; the other axles follow in this line"""
     positions: Annotated[int, Number(at_least=2, at_most=1000, whole=True)] = 21
-    """how many, at equal distances"""
+    """how many, at equal distances; two for one at which an axle would be on a joint"""
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -57,9 +59,8 @@ class VehicleSection(Keys):
         straight = [name for name, part in zip("xy", unit, strict=True) if abs(part) == 1.0]
         behind = list(accumulate(self.spacings, initial=0.0))
         found: list[tuple[Position, Loads, float]] = []
-        for leading in np.linspace(start, end, self.positions):
-            places = [leading - distance * unit for distance in behind]
-            axles = [(x, y, newtons) for (x, y), newtons in zip(places, self.axles, strict=True)]
+        for leading in self._places(deck, start, end, behind):
+            axles = self._axles(leading, unit, behind)
             loads, pressing = deck.standing(axles, beside)
             if pressing:
                 at = leading @ abs(unit) if straight else (leading - start) @ unit
@@ -68,3 +69,23 @@ class VehicleSection(Keys):
         if not found:
             raise ValueError(f"{key}.vehicle: no axle is above a free block at any position")
         return found
+
+    def _axles(
+        self, leading: Floats, unit: Floats, behind: Sequence[float]
+    ) -> list[tuple[float, float, float]]:
+        """Place (x, y in m) and load (N) of each axle; ``unit``: the direction of travel."""
+        places = [leading - distance * unit for distance in behind]
+        return [(x, y, newtons) for (x, y), newtons in zip(places, self.axles, strict=True)]
+
+    def _places(
+        self, deck: Deck, start: Floats, end: Floats, behind: Sequence[float]
+    ) -> Iterator[Floats]:
+        """Places of the leading axle: where an axle would be on a joint, just before and behind.
+
+        There it presses on one block at a time, which may carry less than both.
+        """
+        unit = (end - start) / math.dist(start, end)
+        for leading in np.linspace(start, end, self.positions):
+            axles = self._axles(leading, unit, behind)
+            on_joint = any(len(deck.under(x, y)[1]) > 1 for x, y, _ in axles)
+            yield from (leading + k * BESIDE * unit for k in ((-1, 1) if on_joint else (0,)))
