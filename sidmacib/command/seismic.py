@@ -58,7 +58,8 @@ def seismic_rows(found: SeismicCheck) -> list[Row]:
     where = "where a = 0" if curve.path.end == REACHED else "where the curve ends, as blocks meet, "
     where += "" if curve.path.end == REACHED else "fall, or go on in another way"
     values = f"alpha = {alpha:.4g}, e* = {found.share:.4g}, FC = {found.confidence:g}"
-    linear = f"q a0 / S, q = {BEHAVIOUR:g} (C8.7.1.2.1.7); {spectrum.ground:.4g} is asked for"
+    linear = f"q a0 / S, q = {BEHAVIOUR:g} (C8.7.1.2.1.7)"
+    asked = f"ag, linear over the ag asked for, {spectrum.ground:.4g}"
     told = (
         ("a0 (m/s2)", found.start, f"alpha g / (e* FC) (C8.7.1.3); {values}"),
         ("d0 (m)", found.end, f"{where}; d = dC / e* (C8.7.1.4)"),
@@ -67,7 +68,7 @@ def seismic_rows(found: SeismicCheck) -> list[Row]:
         ("S_De(T_SLV) (m)", found.demand, "damping 8 % (C8.7.1.2.1.8)"),
         ("ratio", found.ratio, "d_SLV / S_De"),
         ("ag, linear (m/s2)", found.ground, linear),
-        ("ratio, linear", found.ground / spectrum.ground, "over that ag"),
+        ("ratio, linear", found.ground / spectrum.ground, asked),
     )
     return [{"what": what, "value": value, "note": note} for what, value, note in told]
 
