@@ -159,6 +159,7 @@ def test_a_changed_record_is_another_case(tmp_path: Path) -> None:
     [
         ({"records": "no/*.txt"}, None, "records: 'no/*.txt' is not allowed; it must be files"),
         ({"factors": [0]}, None, "factors.1: 0 is not allowed; it must be greater than 0"),
+        ({"factors": [1, 2, 1.0]}, None, "factors: must differ in their first six digits"),
         ({"unit": "m"}, None, "unit: 'm' is not allowed; it must be one of m/s2, cm/s2, g"),
         ({}, {"acceleration": [1, 0, 0]}, "load.ground: has 0 motions; it must have one"),
         ({}, {**BLOCK["load"], "duration": -1}, "duration: -1 is not allowed"),

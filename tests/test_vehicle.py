@@ -278,6 +278,10 @@ def test_everyone_can_read_the_page_and_it_fits_a_telephone(tmp_path: Path, brow
         ),
         ({"axles": ["5m", 1]}, "load.vehicle.axles.1: 5m is a length"),
         ({"positions": 1}, "load.vehicle.positions: 1 is not allowed"),
+        (
+            {"start": [0, 0.5], "end": [0.01, 0.5]},
+            "load.vehicle.positions: 8 is not allowed; they must be at least 0.004 m apart",
+        ),
         ({"start": [0, 7], "end": [1, 7]}, "load.vehicle: no axle is above a free block at any"),
     ],
 )

@@ -1,9 +1,9 @@
 """The section of a study that moves a structure in time by many ground motions."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import Field, WithJsonSchema
+from pydantic import Field, WithJsonSchema, model_validator
 
 from sidmacib.quantities import Number, one_of
 from sidmacib.reading import Section, Some, Text
@@ -32,6 +32,12 @@ class EarthquakeSection(Section):
     records: _Records = Field(default_factory=dict)
     unit: Annotated[str, one_of(UNITS)] | None = None
     factors: Annotated[tuple[Annotated[float, Number(above=0, at_most=100)], ...], Some] = (1.0,)
+
+    @model_validator(mode="after")
+    def _apart(self) -> Self:
+        if len({f"{each:g}" for each in self.factors}) < len(self.factors):
+            raise ValueError("factors: must differ in their first six digits")
+        return self
 
     def described(self) -> Iterator[tuple[str, dict[str, Any]]]:
         """The name of each record, and the description with it as the ground's motion."""

@@ -45,6 +45,10 @@ class VehicleSection(Keys):
             )
         if self.start == self.end:
             raise ValueError(f"end: {list(self.end)} is not allowed; it must differ from start")
+        apart = math.dist(self.start, self.end) / (self.positions - 1)
+        if apart < 4.0 * BESIDE:
+            allowed = f"they must be at least {4.0 * BESIDE:g} m apart"
+            raise ValueError(f"positions: {self.positions} is not allowed; {allowed}")
         return self
 
     def on(
