@@ -83,10 +83,7 @@ rule law_figures:
     input:
         points=rules.law_tables.output.points,
     output:
-        figures=[
-            shown(name)
-            for name in drawn_files(("law", "law_margins", "law_nomogram"))
-        ],
+        figures=[shown(name) for name in drawn_files(("law", "law_margins", "law_nomogram"))],
     log:
         below("logs/law_figures.log"),
     group:
