@@ -35,10 +35,8 @@ from sidmacib.scene.forces import arrows_of, load_of
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import (
     Motion,
-    load_of_tilt,
     moves_most,
     static_tilt,
-    tilt_of_load,
     tilting,
     turned,
 )
@@ -275,8 +273,9 @@ def test_gravity_turns_by_the_right_hand_rule_and_keeps_its_size() -> None:
 def test_gravity_that_turns_is_a_load_of_the_weight_times_the_angle(axis: Vector) -> None:
     loads = tilting(on_ground(0.7), axis)
     for angle in (0.0, 30.0, 130.0):
-        load = load_of_tilt(angle, loads)
-        assert tilt_of_load(load, BLOCK.weight) == pytest.approx(angle)
+        load = loads.raised.newtons(angle)
+        assert load == pytest.approx(math.radians(angle) * BLOCK.weight)
+        assert loads.raised.value(load) == pytest.approx(angle)
         assert loads.at(load) == pytest.approx(turned(loads, angle).permanent)
     assert loads.at(1e-3) == pytest.approx(loads.permanent + 1e-3 * loads.variable)
 

@@ -21,7 +21,7 @@ from sidmacib.engines.run import EngineNoAnswerError, engine_outcome
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.problem import Outcome, Problem
-from sidmacib.structure.analysis.tilt import static_tilt, tilt_of_load, tilting
+from sidmacib.structure.analysis.tilt import static_tilt, tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration, force_at, support_moves
 from sidmacib.structure.locks import ALL, Condensed, Locks
@@ -69,10 +69,10 @@ def test_a_stack_tilts_as_far_as_the_static_model_says(engine: str, tmp_path: Pa
     model = leaning(MORTAR, 0.0)
     problem = Problem(model, tilting(model, (0.2, 1.0, 0.3)))
     expected = static_tilt(*problem)
-    outcome, weight = found(engine, problem, tmp_path), problem.loads.scale
-    assert tilt_of_load(outcome.path[-1].load, weight) == pytest.approx(expected.angle, rel=2e-3)
+    outcome, tilt = found(engine, problem, tmp_path), problem.loads.raised
+    assert tilt.value(outcome.path[-1].load) == pytest.approx(expected.angle, rel=2e-3)
     if outcome.first_failure_load is not None:
-        first = tilt_of_load(outcome.first_failure_load, weight)
+        first = tilt.value(outcome.first_failure_load)
         assert first == pytest.approx(expected.first_failure, rel=2e-3)
     peak = outcome.path[-1]
     assert peak.force is not None
@@ -118,7 +118,7 @@ def on_the_ground(width: float, height: float, law: FaceMaterial, far: float = 2
 def tilted_until_it_falls(engine: str, model: Assembly, axis: Vector, folder: Path) -> float:
     """The tilt (degrees) at which an engine sees ``model`` fall."""
     problem = Problem(model, tilting(model, axis))
-    return tilt_of_load(found(engine, problem, folder).path[-1].load, problem.loads.scale)
+    return problem.loads.raised.value(found(engine, problem, folder).path[-1].load)
 
 
 @pytest.mark.engine

@@ -12,9 +12,9 @@ from sidmacib.engines.run import (
     engine_outcome,
     refusal,
 )
-from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import FALLS_ALONE, OUTPUTS
 from sidmacib.errors import CapacityError, ResultError
+from sidmacib.mechanics.raised import NEVER_FALLS
 from workflow.case import Case
 from workflow.results import BROKE_DOWN, CASE, record_of, record_without_result
 from workflow.step import Arguments, Files, KilledError, step

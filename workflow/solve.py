@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
-from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import HISTORY, NODES
 from sidmacib.errors import (
     DOES_NOT_STAND,
@@ -78,8 +77,8 @@ def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
             return record_without_result(case, refused=f"{case.model}: {reason}", raised=stops)
         return solved(case, solve, problem)
     except UnboundedError as error:
-        if problem.loads.axis is not None:
-            return record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
+        if never := problem.loads.raised.endless:
+            return record_without_result(case, refused=f"{case.model}: {never}")
         key = "refused" if case.subject.demands else "error"  # any load is an answer to a demand
         return record_without_result(case, **{key: f"{case.model}: {error}"}, raised=error)
     except (CapacityError, ResultError, ValueError, MemoryError) as error:

@@ -18,7 +18,8 @@ from werkzeug.exceptions import NotFound
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from analysis.explore.state import Figure, compared
 from sidmacib.answers.ask import Solved, limit_of, static_of
-from sidmacib.answers.said import Limit, Static
+from sidmacib.answers.said import Static
+from sidmacib.answers.structure import Limit
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
 from sidmacib.command.cases import case_rows

@@ -24,7 +24,6 @@ from sidmacib.models import MODELS, REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import DRY_PEAK, FIRST_FAILURE, PEAK, Counts, Failures, Problem
 from sidmacib.structure.analysis.forces import most_used
 from sidmacib.structure.analysis.supports import support_answers
-from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.loads import SupportMotion
 from workflow.case import StructureSubject
 from workflow.results import read_records, rounded_or_none
@@ -119,7 +118,7 @@ def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[
     row["static_load_N"] = compared = _compared(record, known.get(record.physics))
     if part.tilts and weight:
         row |= {
-            tilt: row[name] and tilt_of_load(row[name], weight) for name, tilt in TILTS.items()
+            tilt: row[name] and math.degrees(row[name] / weight) for name, tilt in TILTS.items()
         } | dict.fromkeys(TILTS)
     return {
         **row,

@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.answers.answer import NO_DILATION, Answer
-from sidmacib.answers.said import Limit, Static, of_limit, of_static
-from sidmacib.answers.structure import static_answer
+from sidmacib.answers.said import Static, of_limit, of_static
+from sidmacib.answers.structure import Limit, static_answer
 from sidmacib.answers.verdict import Verdict, governing, lower_first, verdict
 from sidmacib.errors import CapacityError, NoEquilibriumError, reason
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits
-from sidmacib.structure.analysis.limit import LimitTilt, limit_or_tilt
+from sidmacib.structure.analysis.limit import limit_or_tilt
 from sidmacib.structure.files.structure_file import Demand, demands_of, description_in
 from sidmacib.structure.loads import SupportMotion, free_weight, naming_permanent
 from sidmacib.structure.partial_factors import NO_FACTORS, PartialFactors
@@ -42,7 +42,7 @@ def static_of(problem: Problem, limit: Limit | None, tell: Tell = str) -> Static
     """The answer of the static model, or why it has none; ``limit``: by `limit_of`, if known."""
     tell("static model ...")
     try:
-        return static_answer(problem, None if isinstance(limit, LimitTilt) else limit)
+        return static_answer(problem, limit)
     except CapacityError as error:
         tell(f"static: no answer: {reason(error)}")
         return error

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator
 
 from sidmacib.answers.answer import LIMIT, STATIC, Answer
+from sidmacib.answers.structure import Limit
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.crushing import crushing_use
@@ -16,12 +17,11 @@ from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import Problem
 from sidmacib.quantities import four_digits, some_of
 from sidmacib.structure.analysis.forces import CRUSHED
-from sidmacib.structure.analysis.limit import LimitTilt, assumes, limit_mesh_error
+from sidmacib.structure.analysis.limit import assumes, limit_mesh_error
 from sidmacib.structure.analysis.tilt import moves_most
 
 MOST = 6  # names in a note
 
-Limit = LimitState | LimitTilt | CapacityError
 Static = StaticAnswer | CapacityError
 
 
@@ -30,14 +30,13 @@ def of_limit(problem: Problem, found: Limit) -> Answer:
     bounds = not has_bonds(problem.assembly)
     if isinstance(found, CapacityError):
         return Answer(model=LIMIT, bounds=bounds, error=found)
-    value = found.load if isinstance(found, LimitState) else found.angle
     notes: tuple[str, ...] = ("in equilibrium at every tilt",)
     if found.mechanism is not None:
         moves = f"largest displacement: {moves_most(problem.assembly, found.mechanism)}"
         limited = _limited_by(problem, found) if isinstance(found, LimitState) else ()
         notes = (assumes(problem.assembly), *limited, moves)
-    error = limit_mesh_error(problem, value)
-    return Answer(model=LIMIT, value=value, mesh_error=error, bounds=bounds, notes=notes)
+    error = limit_mesh_error(problem, found.load)
+    return Answer(model=LIMIT, value=found.load, mesh_error=error, bounds=bounds, notes=notes)
 
 
 def _limited_by(problem: Problem, limit: LimitState) -> Iterator[str]:

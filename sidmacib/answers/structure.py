@@ -24,7 +24,6 @@ from sidmacib.answers.structure_paths import (
     NO_BOND,
     SMALL,
     StaticAnswer,
-    told,
     unbounded_answer,
     without_other_meshes,
 )
@@ -37,23 +36,17 @@ from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
-from sidmacib.structure.analysis.limit import (
-    limit_mesh_error,
-    limit_state,
-    limit_tilt,
-    short_of,
-)
+from sidmacib.structure.analysis.limit import LimitTilt, limit_mesh_error, limit_or_tilt
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined, with_dry_joints
 
 BEYOND = 1.001  # over the limit load: where a path ends that has no other end
 NOT_CRUSHED = "no interface is crushed"
 PRECISION = 1e-6  # of where crushing begins between two equilibria
+Limit = LimitState | LimitTilt | CapacityError
 
 
-def static_answer(
-    problem: Problem, limit: LimitState | CapacityError | None = None
-) -> StaticAnswer:
+def static_answer(problem: Problem, limit: Limit | None = None) -> StaticAnswer:
     """The answer of the static model for a structure, as a `Problem` on the cells of its file.
 
     ``limit``: of limit analysis, if it is known, which bounds blocks that are dry or are crushed.
@@ -86,14 +79,14 @@ def _of_dry_joints(answer: StaticAnswer, dry: StaticAnswer) -> StaticAnswer:
     )
 
 
-def _of_model(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+def _of_model(problem: Problem, limit: Limit | None) -> StaticAnswer:
     """The answer for bonds, or for dry joints, as they are."""
     if crushed_faces(problem.assembly):
         return with_crushing(problem, limit)
     return _bounded_answer(problem, limit)
 
 
-def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+def _bounded_answer(problem: Problem, limit: Limit | None) -> StaticAnswer:
     """The answer for blocks that are not crushed."""
     answer = unbounded_answer(problem)
     if not is_dry(problem.assembly):
@@ -103,39 +96,34 @@ def _bounded_answer(problem: Problem, limit: LimitState | CapacityError | None) 
         answer = unbounded_answer(problem, most)
     if not most < (1.0 - LOWER) * answer.load:
         return answer
-    alone = told(problem.loads, answer.load)
+    alone = problem.loads.raised.told(answer.load)
     why = f"{answer.counts.why}; limit analysis is below the static model alone, {alone}"
     return _limited(problem, answer, most, why)
 
 
-def _bound(problem: Problem, load: float, limit: LimitState | CapacityError | None) -> float:
+def _bound(problem: Problem, load: float, limit: Limit | None) -> float:
     """The load (N or degrees) of limit analysis, if it is below ``load``; else no bound."""
-    assembly, loads = problem
     try:
-        if loads.axis is None:
-            return _limit_load(problem, limit)
-        if short_of(assembly, loads, (1.0 - LOWER) * load) is not None:
-            return limit_tilt(*problem).angle
+        return _limit_load(problem, limit, (1.0 - LOWER) * load)
     except CapacityError:
-        pass
-    return math.inf
+        return math.inf
 
 
-def with_crushing(problem: Problem, limit: LimitState | CapacityError | None) -> StaticAnswer:
+def with_crushing(problem: Problem, limit: Limit | None) -> StaticAnswer:
     """The answer for blocks that can be crushed.
 
     ``limit``: of limit analysis, if it is known. `NoEquilibriumError` if they do not stand.
     """
     try:
         answer = unbounded_answer(problem)
-        without = told(problem.loads, answer.load)
+        without = problem.loads.raised.told(answer.load)
     except UnboundedError as error:
         answer, without = _as_far_as(problem, _limit_load(problem, limit), error), "any load"
     begins = crushing_begins(answer.assembly, answer.path)
     if begins is None or begins[0] > answer.load:
         return _because(answer, NOT_CRUSHED)
     load, place = begins
-    words = f"{place} is at its compressive strength from {told(problem.loads, load)} on"
+    words = f"{place} is at its compressive strength from {problem.loads.raised.told(load)} on"
     try:
         most = _limit_load(problem, limit)
     except UnboundedError:
@@ -163,8 +151,8 @@ def _limited(problem: Problem, answer: StaticAnswer, most: float, why: str) -> S
 def _as_far_as(problem: Problem, most: float, error: UnboundedError) -> StaticAnswer:
     """The answer to just beyond the load ``most`` (N) where the model has no limit: ``error``."""
     assembly, loads = refined(problem.assembly), problem.loads
-    if loads.axis is not None:
-        raise CapacityError(f"{error} without crushing; limit analysis: {most:.4g} degrees with it")
+    told = f"{error} without crushing; limit analysis: {loads.raised.told(most)} with it"
+    loads.raised.require_newtons(CapacityError(told))
     found = peak_of(_UpTo(solver_of(assembly, loads), BEYOND * most))
     failures = Failures(found.first_failure_load, found.peak.load)
     return StaticAnswer(
@@ -238,17 +226,16 @@ def _up_to(path: Sequence[Equilibrium], load: float) -> tuple[Equilibrium, ...]:
     return tuple(path)
 
 
-def _limit_load(problem: Problem, limit: LimitState | CapacityError | None) -> float:
+def _limit_load(problem: Problem, limit: Limit | None, most: float | None = None) -> float:
     """The load of limit analysis with crushing, or the angle where gravity turns.
 
+    ``most``: see `limit_or_tilt`.
     `NoEquilibriumError` if they do not stand.
     """
     try:
-        if problem.loads.axis is not None:
-            return limit_tilt(*problem).angle
         if isinstance(limit, CapacityError):
             raise limit
-        return (limit_state(*problem) if limit is None else limit).load
+        return (limit_or_tilt(problem, most) if limit is None else limit).load
     except InfeasibleError as error:
         raise NoEquilibriumError(str(error)) from None
 

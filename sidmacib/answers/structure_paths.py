@@ -22,7 +22,6 @@ from sidmacib.mechanics.static import MOST_ROTATION, static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import SETTLED, structure_mesh_errors
 from sidmacib.problem import Counts, Failures, MeshErrors, Problem
-from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.tilt import static_tilt
 from sidmacib.structure.structure import refined
 
@@ -76,11 +75,6 @@ class StaticAnswer(FollowedPath):
 def counting(failures: Failures, counts: Counts) -> float:
     """Which of the ``failures`` counts."""
     return failures.peak if counts.peak else failures.first
-
-
-def told(loads: Loads, load: float) -> str:
-    """A ``load`` with its unit: an angle where gravity turns."""
-    return f"{four_digits(load)} {'N' if loads.axis is None else 'degrees'}"
 
 
 def without_other_meshes(failures: Failures) -> Counts:
@@ -167,7 +161,7 @@ def _unsettled(found: Mapping[int, FollowedPath]) -> str:
 def followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> FollowedPath:
     """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
     try:
-        if loads.axis is not None:
+        if loads.raised.axis:
             tilt = static_tilt(assembly, loads)
             failures = Failures(float(tilt.first_failure), float(tilt.angle))
             return FollowedPath(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)

@@ -11,7 +11,8 @@ import numpy as np
 import yaml
 
 from sidmacib.answers.ask import Solved
-from sidmacib.answers.said import Limit, Static
+from sidmacib.answers.said import Static
+from sidmacib.answers.structure import Limit
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.answers.verdict import Verdict, factor_of
 from sidmacib.command.answers import Row
@@ -75,12 +76,11 @@ class Views:
     ) -> "Views":
         """From what the models answer; ``verdict``: on a load to be carried, if there is one."""
         problem, static = solved.demand.problem, solved.static
-        weight = None if problem.loads.axis is not None else free_weight(problem.assembly)
+        raised, weight = problem.loads.raised, free_weight(problem.assembly)
         models = [_drawn("static", problem, static), _drawn("limit", problem, solved.limit)]
         if isinstance(static, StaticAnswer):
-            at = _load_words(static.load, weight)
-            ends = "last equilibrium" if weight is None else "peak"
-            answer = f"{ends} at {at}; failure mode: {static.mode}"
+            at = raised.beside(static.load, weight)
+            answer = f"{raised.last} at {at}; failure mode: {static.mode}"
             if not static.counts.peak:
                 answer = f"first bond failure at {at}; {static.counts}"
             elif static.counts.dry:
@@ -91,7 +91,7 @@ class Views:
             answer = f"static model: {reason(static)}"
             load = models[0].load
             if load is not None and not isinstance(static, NoEquilibriumError):
-                answer = f"limit analysis: {_load_words(load, weight)}; {answer}"
+                answer = f"limit analysis: {raised.beside(load, weight)}; {answer}"
         shape = shape_of(problem.assembly, with_condensed_locks(description, file.parent))
         words = " ".join(f"{each[0].upper()}{each[1:]}." for each in (verdict, answer) if each)
         return cls(
@@ -165,13 +165,6 @@ def _given(description: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [(name, in_a_line(load).strip()[1:-1]) for name, load in loads]
 
 
-def _load_words(load: float, weight: float | None) -> str:
-    """A ``load`` (N) beside the ``weight`` (N) of the free blocks; degrees without one."""
-    if weight is None:
-        return f"{load:.4g}°"
-    return f"{four_digits(load)} N, {load / weight:.3g} of the weight"
-
-
 def _drawn(model: str, problem: Problem, found: Static | Limit) -> Drawn:
     if isinstance(found, CapacityError):
         return Drawn(model, problem, error=reason(found))
@@ -190,8 +183,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str, inputs: Sequ
     forces_of = "no model has an answer"
     if drawn.load is not None:
         forces_of = f"{MODELS[drawn.model].label}; {in_asked_words(drawn.load_words)}"
-    unit = "N" if views.problem.loads.axis is None else "degrees"
-    failing = [f"{name} ({load:.4g} {unit})" for name, load in drawn.failing]
+    failing = [f"{name} ({load:.4g} {drawn.raised.unit})" for name, load in drawn.failing]
     asked, laws = in_asked_units(rows), [*_laws(assembly.faces)]
     if "case" in rows[0]:  # what stands in the checks would make the table too wide for a page
         asked = [{name: row[name] for name in OF_CASES} for row in asked]
@@ -306,21 +298,20 @@ def _checks(views: Views, rows: Sequence[Row]) -> Iterator[Cells]:
             f"{left / size:.1e}",
             f"≤ {BALANCED:g}: {kept}",
         )
-    what = "load" if views.problem.loads.axis is None else "tilt"
+    raised = drawn.raised
     for row in (row for row in rows if row.get("governs", "yes")):
-        if (error := row.get(f"mesh error / {what}")) is not None:
+        if (error := row.get(f"mesh error / {raised.name}")) is not None:
             kept = "small" if error <= FLEXIBLE else "LARGE"
-            told = f"{100.0 * error:.2g} % of the {what}"
+            told = f"{100.0 * error:.2g} % of the {raised.name}"
             name = f"Mesh error, {row.get('model') or row['case']}"
-            yield name, f"error / {what}", told, f"≤ {100.0 * FLEXIBLE:g} %: {kept}"
+            yield name, f"error / {raised.name}", told, f"≤ {100.0 * FLEXIBLE:g} %: {kept}"
     found_by = {each.model: each.load for each in views.models}
     one, other = found_by.get("static"), found_by.get("limit")
     if one and other:
         kept = "verified" if other >= one * (1.0 - BELOW) else "NOT verified"
-        unit = "N" if what == "load" else "degrees"
         ratio = _formula(
             f"<i>F</i><sub>limit</sub> / <i>F</i><sub>static</sub> = "
-            f"{four_digits(other)} {unit} / {four_digits(one)} {unit}"
+            f"{raised.told(other)} / {raised.told(one)}"
         )
         yield "Limit analysis, static model", ratio, f"{other / one:.3f}", f"≥ 1: {kept}"
     for note in views.notes:

@@ -88,14 +88,13 @@ def force_rows(answer: StaticAnswer) -> list[Row]:
 
 def _row(demand: Demand, answer: Answer) -> Row:
     """A row of the table; the static model has a first failure and a peak, too."""
-    tilts = demand.problem.loads.axis is not None
-    what, unit = ("tilt", "degrees") if tilts else ("load", "N")
-    load, failures = answer.value, answer.failures
+    raised, weight = demand.problem.loads.raised, free_weight(demand.problem.assembly)
+    what, unit, load, failures = raised.name, raised.unit, answer.value, answer.failures
     row: Row = {"model": answer.model, f"{what} ({unit})": load}
-    if not tilts:
-        if demand.newtons is not None:
-            row["factor"] = None if load is None else load / demand.newtons
-        row["load / weight"] = None if load is None else load / free_weight(demand.problem.assembly)
+    if demand.newtons is not None:
+        row["factor"] = None if load is None else load / demand.newtons
+    if raised.axis is None:
+        row["load / weight"] = None if load is None else load / weight
     return row | {
         f"mesh error / {what}": answer.mesh_error,
         f"first failure ({unit})": failures and failures.first,

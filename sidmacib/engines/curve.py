@@ -27,8 +27,10 @@ def engine_curve(
     and where blocks meet on the way.
     """
     loads = problem.loads
-    if loads.axis is not None or loads.variable[:, 3:].any() or not loads.variable.any():
-        raise EngineNoAnswerError("yade: a capacity curve needs an acceleration as the load")
+    other = EngineNoAnswerError("yade: a capacity curve needs an acceleration as the load")
+    loads.raised.require_newtons(other)
+    if loads.variable[:, 3:].any() or not loads.variable.any():
+        raise other
     return _run(problem, numerics, folder, time_limit, furthest)
 
 

@@ -11,7 +11,7 @@ import jinja2
 import numpy as np
 
 from sidmacib.engines import Engine, Numerics
-from sidmacib.engines.scripts.assembly import NEVER_FALLS, GivenMaterial, Guide
+from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
 from sidmacib.engines.sides import convex_solids, sides, vertices_above
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -124,9 +124,8 @@ def _range(assembly: Assembly, loads: Loads, numerics: Numerics) -> dict[str, fl
     A support moves by such loads (m or rad): at most as far as the structure is wide, or by pi.
     """
     first = numerics.first_increment * loads.scale
-    last, unit, no_peak = LARGEST_LOAD * first, "N", "the load grows without a peak"
-    if loads.axis is not None:
-        last, no_peak = math.pi * loads.scale, NEVER_FALLS
+    last, unit = min(LARGEST_LOAD * first, loads.raised.most * loads.scale), "N"
+    no_peak = loads.raised.endless or "the load grows without a peak"
     if isinstance(loads, SupportMotion):
         wide = float(np.ptp(assembly.nodes.position, axis=0).max())
         size, last, unit = (1.0, math.pi, "rad") if loads.turns else (assembly.length, wide, "m")
@@ -183,9 +182,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
         "loads": [
             {"piece": index, "force": load[:3].tolist(), "moment_m": load[3:].tolist()}
             for index, load in enumerate(loads.variable)
-            if load.any() and loads.axis is None
+            if load.any() and loads.raised.axis is None
         ],
-        "axis": loads.axis,
+        "axis": loads.raised.axis,
         "support": support,
         "sides": [asdict(side) for side in loads.sides],
         "length_m": assembly.length,

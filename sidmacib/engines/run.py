@@ -94,15 +94,14 @@ def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
     if assembly.failure is not Failure.BRITTLE:
         return None
     try:
-        if loads.axis is None:
-            found = static_peak(assembly, loads)
-            first, peak = found.first_failure_load, found.peak.load
-        else:
+        if loads.raised.axis:
             # Imported here: it needs scipy.sparse, which joints do not.
             tilt = importlib.import_module("sidmacib.structure.analysis.tilt")
             turned = tilt.static_tilt(assembly, loads)
-            angles = turned.first_failure, turned.angle
-            first, peak = (tilt.load_of_tilt(angle, loads) for angle in angles)
+            first, peak = map(loads.raised.newtons, (turned.first_failure, turned.angle))
+        else:
+            found = static_peak(assembly, loads)
+            first, peak = found.first_failure_load, found.peak.load
     except CapacityError:
         return None
     return Guide(float(f"{first:.4g}"), float(f"{peak:.4g}")) if peak > 0.0 else None
@@ -115,7 +114,7 @@ def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> s
 
 def _refusals(engine: Engine, assembly: Assembly, loads: Loads | None) -> Iterator[str]:
     beside = getattr(loads, "beside", None)  # of a structure
-    if loads is not None and loads.axis is not None and beside and beside.wrenches.any():
+    if loads is not None and loads.raised.axis and beside and beside.wrenches.any():
         yield "gravity turns beside other permanent loads; engines turn all permanent loads"
     if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
         yield "pieces are polyhedra; this engine models only cuboids along the axes"

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from sidmacib.mechanics.raised import A_LOAD, Load
 from sidmacib.quantities import (
     FractureEnergy,
     Friction,
@@ -369,17 +370,15 @@ class Loads:
     ``permanent`` (N and N m): loads that always act, such as self-weight. ``variable``: the load
     that is raised, per newton. ``scale`` (N): a load of the order of the capacity; the first
     increments are fractions of it. ``sides``: the parts of both that act on sides of pieces; the
-    rest is spread over the volume, which matters only for elastic pieces. ``axis``: of gravity that
-    turns, of length 1; the permanent loads then turn about it, by the load over ``scale`` in
-    radians, and ``variable`` is how they begin to. ValueError unless all numbers are finite and the
-    scale above 0.
+    rest is spread over the volume, which matters only for elastic pieces. ``raised``: what the load
+    that is raised is. ValueError unless all numbers are finite and the scale above 0.
     """
 
     permanent: Floats
     variable: Floats
     scale: float
     sides: tuple[SideLoad, ...] = ()
-    axis: Vector | None = None
+    raised: Load = A_LOAD
 
     def __post_init__(self) -> None:
         for name, forces in (("permanent", self.permanent), ("variable", self.variable)):
@@ -389,10 +388,7 @@ class Loads:
 
     def at(self, load: float) -> Floats:
         """Forces (N) and moments (N m) on the pieces under ``load`` (N), (P, 6)."""
-        if self.axis is None:
-            return self.permanent + load * self.variable
-        vectors = self.permanent.reshape(-1, 3)
-        return rotated(vectors, np.array(self.axis), load / self.scale).reshape(-1, 6)
+        return self.raised.forces(load, self.permanent, self.variable)
 
     def levers(self) -> Floats:
         """Sums of arm (m) times force (N) on each piece, whose arms turn with it, (2, P, 3, 3).
@@ -403,12 +399,5 @@ class Loads:
 
     def require_proportional(self) -> None:
         """ValueError if gravity turns, for models that raise loads in proportion."""
-        if self.axis is not None:
-            raise ValueError("loads: gravity turns; use static_tilt or limit_tilt")
-
-
-def rotated(vectors: Floats, axis: Floats, angle: float) -> Floats:
-    """``vectors``, (K, 3), turned about a unit ``axis``, (3,), by ``angle`` (rad)."""
-    along = np.outer(vectors @ axis, axis)
-    across = np.cross(axis, vectors)
-    return along + math.cos(angle) * (vectors - along) + math.sin(angle) * across
+        error = ValueError("loads: gravity turns; use static_tilt or limit_tilt")
+        self.raised.require_newtons(error)

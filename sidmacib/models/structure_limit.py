@@ -1,11 +1,12 @@
 """Limit analysis of a structure, with associated friction."""
 
+from dataclasses import replace
+
 from sidmacib.answers.said import of_limit
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import MECHANISM, MeshErrors, Outcome, Problem, State
 from sidmacib.structure.analysis.limit import LimitTilt, limit_or_tilt
-from sidmacib.structure.analysis.tilt import load_of_tilt
 
 
 def solve(problem: Problem) -> Outcome:
@@ -15,11 +16,10 @@ def solve(problem: Problem) -> Outcome:
 
 def outcome_of(problem: Problem, found: LimitState | LimitTilt) -> Outcome:
     """What limit analysis has ``found`` for a structure as an outcome."""
-    if isinstance(found, LimitTilt):
-        state = State(load_of_tilt(found.angle, problem.loads))
-    else:
+    state = State(problem.loads.raised.newtons(found.load))
+    if isinstance(found, LimitState):
         bonded = ContactLaw.of(problem.assembly).cohesive
-        state = State(found.load, force=found.force, bonded=bonded)
+        state = replace(state, force=found.force, bonded=bonded)
     answer = of_limit(problem, found)
     return Outcome(
         (state,),

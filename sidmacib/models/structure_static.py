@@ -15,7 +15,7 @@ from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.models.static import state_of
 from sidmacib.problem import AT_THE_LOAD, MECHANISM, Failures, Outcome, Problem
-from sidmacib.structure.analysis.tilt import PRECISION, load_of_tilt
+from sidmacib.structure.analysis.tilt import PRECISION
 
 
 def solve(problem: Problem) -> Outcome:
@@ -33,11 +33,7 @@ def solve(problem: Problem) -> Outcome:
 
 def outcome_of(problem: Problem, answer: StaticAnswer, given: Failures | None = None) -> Outcome:
     """The ``answer`` for a structure as an outcome; ``given``: as there."""
-    tilts = problem.loads.axis is not None
-
-    def load_of(value: float) -> float:
-        return load_of_tilt(value, problem.loads) if tilts else value
-
+    load_of, tilts = problem.loads.raised.newtons, problem.loads.raised.axis is not None
     path = tuple(state_of(answer.assembly, each, load_of(each.load)) for each in answer.path)
     if tilts:
         path = tuple(replace(each, displacement=None) for each in path)
@@ -66,7 +62,7 @@ def _broken_at(answer: StaticAnswer, loads: Loads) -> dict[int, float]:
         return {}
     if lost := _lost(assembly, answer.path):
         return lost
-    if loads.axis is not None or bond_fails(answer.failures) or answer.mode == CRUSHING:
+    if loads.raised.axis or bond_fails(answer.failures) or answer.mode == CRUSHING:
         return {}
     found = static_first_failure(assembly, loads)  # the peak is the first failure
     if found.mode is not Mode.BONDS:

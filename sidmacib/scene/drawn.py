@@ -14,8 +14,8 @@ from sidmacib.build import Solid, solids
 from sidmacib.build.views import edge_vertices
 from sidmacib.mechanics.assembly import Assembly, Floats, Piece
 from sidmacib.mechanics.polygons import Polygon
+from sidmacib.mechanics.raised import Load
 from sidmacib.problem import Outcome, Problem
-from sidmacib.quantities import four_digits
 from sidmacib.scene.forces import Section, arrows_of, forces_of, reactions, thrust
 from sidmacib.structure.analysis.forces import (
     BlockRow,
@@ -24,7 +24,6 @@ from sidmacib.structure.analysis.forces import (
     interfaces_of,
     most_used,
 )
-from sidmacib.structure.analysis.tilt import tilt_of_load
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.files.structure_file import blocks_and_rows
 from sidmacib.structure.interfaces import tangents, triangles
@@ -71,16 +70,21 @@ class Drawn:
     @property
     def load(self) -> float | None:
         """The load (N) that counts, or the angle (degrees) where gravity turns."""
-        return None if self.outcome is None else self.shown(self.outcome.state.load)
+        return None if self.outcome is None else self.raised.value(self.outcome.state.load)
+
+    @property
+    def raised(self) -> Load:
+        """What is raised: a load, or a tilt."""
+        return self.problem.loads.raised
 
     @property
     def load_words(self) -> str:
         """That load in a legend."""
-        if self.load is None:
-            return "no answer"
-        if self.problem.loads.axis is None:
-            return f"load, {four_digits(self.load)} N"
-        return f"weight, tilted by {self.load:.4g}°"
+        return (
+            "no answer"
+            if self.load is None
+            else f"{self.raised.acts} {self.raised.short(self.load)}"
+        )
 
     @property
     def arrows(self) -> dict[str, Any]:
@@ -94,16 +98,12 @@ class Drawn:
         In N, or degrees where gravity turns; the first to fail is the first.
         """
         lost = self.outcome.broken_at if self.outcome else {}
-        return [(self.assembly.faces[face].name, self.shown(load)) for face, load in lost.items()]
-
-    def shown(self, load: float) -> float:
-        """A ``load`` (N) as the command prints it: where gravity turns in degrees."""
-        loads = self.problem.loads
-        return load if loads.axis is None else tilt_of_load(load, loads.scale)
+        faces, value = self.assembly.faces, self.raised.value
+        return [(faces[face].name, value(load)) for face, load in lost.items()]
 
     def values(self) -> dict[str, Any]:
         """Plain values for `structure.js`."""
-        tilts = self.problem.loads.axis is not None
+        column = f"{self.raised.name}_{self.raised.unit}"
         first = self.failing[0] if self.failing else (None, None)
         moving = [asdict(block) for block in self.blocks]
         for row in moving:
@@ -113,11 +113,10 @@ class Drawn:
                 "model": self.model,
                 "error": self.error,
                 "refused": None,
-                "load_N": None if tilts else self.load,
-                "tilt_degrees": self.load if tilts else None,
+                **{"load_N": None, "tilt_degrees": None, column: self.load},
                 "first_interface": first[0],
-                "first_failure_load_N": None if tilts else first[1],
-                "first_failure_tilt_degrees": first[1] if tilts else None,
+                **{"first_failure_load_N": None, "first_failure_tilt_degrees": None},
+                f"first_failure_{column}": first[1],
                 "most_used_interface": most_used(self.interfaces),
             },
             "blocks": moving,

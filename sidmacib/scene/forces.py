@@ -27,13 +27,9 @@ def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> di
     place of a load that is raised; ``variable`` then has weights in N; None otherwise. With a
     ``load`` (N), all forces are those under this load, in N.
     """
-    weights = weight_of_free(assembly)
-    others, arms = beside_of(loads).wrenches, None
-    if loads.axis is None:
-        raised = (1.0 if load is None else load) * loads.variable
-        arms = loads.arms if isinstance(loads, PointForce) else None
-    else:
-        raised = weights if load is None else loads.at(load) - others
+    others, axis = beside_of(loads).wrenches, loads.raised.axis
+    arms = loads.arms if isinstance(loads, PointForce) else None
+    raised = loads.raised.drawn(load, weight_of_free(assembly), loads.variable)
     most = float(np.abs(loads.permanent).max())
     # Permanent forces act along lines, which these arms lead to from the centroids, torsion apart.
     square = np.maximum((others[:, :3] ** 2).sum(axis=1), np.finfo(float).tiny)
@@ -41,7 +37,7 @@ def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> di
     return {
         "variable": [*_arrows(assembly, raised, arms)],
         "permanent": [*_arrows(assembly, others, lever_arms, most)],
-        "axis": None if loads.axis is None else [*loads.axis],
+        "axis": axis and [*axis],
     }
 
 

@@ -62,10 +62,8 @@ class StructureLoads(Loads):
 
     def at(self, load: float) -> Floats:
         """As `Loads.at`, but where gravity turns, what is ``beside`` weight stays."""
-        if self.axis is None:
-            return super().at(load)
         fixed = self.beside.wrenches
-        return Loads.at(replace(self, permanent=self.permanent - fixed), load) + fixed
+        return self.raised.forces(load, self.permanent, self.variable, fixed)
 
     def levers(self) -> Floats:
         """Sums of arm times force, see `Loads.levers`."""

@@ -22,7 +22,6 @@ from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import (
     LARGEST,
     static_tilt,
-    tilt_of_load,
     tilting,
     turned,
 )
@@ -111,7 +110,7 @@ def engine_tilt(name: str, model: Assembly, tilt: Loads) -> float:
     """The critical tilt (degrees) after an engine."""
     problem = Problem(model, tilt)
     found = engine_outcome(ENGINES[name], problem, time_limit=TIME_LIMIT)
-    return tilt_of_load(found.path[-1].load, problem.loads.scale)
+    return tilt.raised.value(found.path[-1].load)
 
 
 def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:

@@ -67,7 +67,7 @@ class StructurePart:
         return cls(
             case.subject.structure,
             case.subject.load,
-            tilts=loads.axis is not None,
+            tilts=loads.raised.axis is not None,
             counts=None if counts is None else counts.name,
             because=None if counts is None else counts.why,
             weight_N=rounded(free_weight(assembly)),

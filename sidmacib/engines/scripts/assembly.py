@@ -11,7 +11,6 @@ from typing import Any
 Vector = Sequence[float]
 
 LEAST_TENSION = 1e-6  # over the cohesion
-NEVER_FALLS = "in equilibrium up to a tilt of 180 degrees"
 LEAST_RAMP = 0.1  # of the time in which the whole load is raised
 
 

@@ -103,8 +103,8 @@ class Kinematics:
     """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        if loads.axis is not None:
-            raise CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
+        gravity = CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
+        loads.raised.require_newtons(gravity)
         if crushed_faces(assembly):
             raise CapacityError(f"{WHAT}: blocks are not crushed; leave out compressive_strength")
         self.assembly, self.loads = assembly, loads

@@ -67,19 +67,26 @@ class LimitTilt:
     angle: float
     mechanism: Floats | None = None
 
+    @property
+    def load(self) -> float:
+        """The angle."""
+        return self.angle
 
-def limit_tilt(assembly: Assembly, loads: Loads) -> LimitTilt:
+
+def limit_tilt(assembly: Assembly, loads: Loads, most: float | None = None) -> LimitTilt:
     """The smallest angle above which limit analysis finds no admissible forces in ``assembly``.
 
     ``loads``: by `tilting`. Friction is associated. Angles without such forces that are less than 5
     degrees apart may be missed where there are bonds, compressive strengths or permanent loads
-    beside weight, or where the axis is not horizontal.
+    beside weight, or where the axis is not horizontal. ``most``: found at once if it has forces.
     `InfeasibleError` if there are no forces before gravity turns; other errors of `limit_load`.
     """
-    assert loads.axis is not None, "gravity turns"
+    if most is not None and short_of(assembly, loads, most) is None:
+        return LimitTilt(most)
+    assert loads.raised.axis, "gravity turns"
     require_standing(assembly, turned(loads, 0.0), friction=True)
     strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
-    level = abs(loads.axis[2]) <= LEVEL
+    level = abs(loads.raised.axis[2]) <= LEVEL
     if level and not beside_of(loads).wrenches.any() and not strong and not crushed_faces(assembly):
         return _by_sectors(assembly, loads)
     return _by_scan(assembly, loads)
@@ -134,13 +141,16 @@ def short_of(assembly: Assembly, loads: Loads, angle: float) -> LimitState | Non
     return None if state.load >= weight else state
 
 
-def limit_or_tilt(problem: Problem) -> LimitState | LimitTilt:
-    """The limit load, or the angle where gravity turns; `CapacityError` if there is none."""
+def limit_or_tilt(problem: Problem, most: float | None = None) -> LimitState | LimitTilt:
+    """The limit load, or the angle where gravity turns, see `limit_tilt`.
+
+    `CapacityError` if there is none.
+    """
     assembly, loads = problem
-    if loads.axis is None:
+    if loads.raised.axis is None:
         return limit_state(assembly, loads)
     with naming_permanent(loads):
-        return limit_tilt(assembly, loads)
+        return limit_tilt(assembly, loads, most)
 
 
 def limit_mesh_error(problem: Problem, load: float) -> float | None:
@@ -154,7 +164,7 @@ def limit_mesh_error(problem: Problem, load: float) -> float | None:
     if not ContactLaw.of(assembly).cohesive.any():
         return 0.0 if assembly.layout in AT_CORNERS else None
     fine = refined(assembly)
-    if loads.axis is not None or not load > 0.0 or len(fine.nodes.area) > MOST_NODES:
+    if loads.raised.axis or not load > 0.0 or len(fine.nodes.area) > MOST_NODES:
         return None
     try:
         change = limit_load(fine, loads, friction=True).load / load - 1.0

@@ -20,9 +20,10 @@ from enum import StrEnum
 import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError, NoStiffnessError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads, rotated
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
+from sidmacib.mechanics.raised import A_LOAD, Tilt
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches
 from sidmacib.mechanics.static import brittle_path
@@ -73,41 +74,28 @@ class StaticTilt:
 def tilting(assembly: Assembly, axis: Sequence[float], beside: Permanent | None = None) -> Loads:
     """The weight of all free pieces under gravity that turns about ``axis``, as a raised load.
 
-    In N: the angle in radians times the weight, see `load_of_tilt`. ``beside``: permanent loads
-    that do not turn.
+    In N: the angle in radians times the weight. ``beside``: permanent loads that do not turn.
     """
     x, y, z = (np.array(axis) / np.linalg.norm(axis)).tolist()
-    upright = replace(permanent_only(assembly, beside), scale=free_weight(assembly), axis=(x, y, z))
-    return replace(turning(upright, 0.0), axis=upright.axis)
+    upright, weight = permanent_only(assembly, beside), free_weight(assembly)
+    raised = Tilt(math.radians(weight), (x, y, z))
+    return replace(turning(replace(upright, scale=weight, raised=raised), 0.0), raised=raised)
 
 
 def turned(loads: Loads, angle: float) -> Loads:
     """The permanent part of ``loads`` by `tilting`, at an ``angle`` (degrees)."""
-    others = beside_of(loads).wrenches
-    weight = (loads.permanent - others)[:, :3]
-    permanent = others.copy()
-    permanent[:, :3] += rotated(weight, np.array(loads.axis), math.radians(angle))
-    return replace(loads, permanent=permanent, variable=np.zeros_like(others), axis=None)
+    permanent = loads.at(loads.raised.newtons(angle))
+    return replace(loads, permanent=permanent, variable=np.zeros_like(permanent), raised=A_LOAD)
 
 
 def turning(loads: Loads, angle: float) -> Loads:
     """Gravity at ``angle`` (degrees); the variable load, per newton, is how it goes on to turn."""
-    assert loads.axis is not None, "gravity turns"
+    assert loads.raised.axis, "gravity turns"
     on = turned(loads, angle)
     gravity = on.permanent - beside_of(loads).wrenches
     change = np.zeros_like(gravity)
-    change[:, :3] = np.cross(loads.axis, gravity[:, :3]) / on.scale
+    change[:, :3] = np.cross(loads.raised.axis, gravity[:, :3]) / on.scale
     return replace(on, variable=change)
-
-
-def load_of_tilt(angle: float, loads: Loads) -> float:
-    """The load (N) of gravity that has turned by ``angle`` (degrees)."""
-    return math.radians(angle) * loads.scale
-
-
-def tilt_of_load(load: float, weight: float) -> float:
-    """The angle (degrees) of gravity at ``load`` (N) on blocks of a ``weight`` (N)."""
-    return math.degrees(load / weight)
 
 
 def static_tilt(assembly: Assembly, loads: Loads) -> StaticTilt:
