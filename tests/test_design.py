@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from structures import dry
+from structures import condensed_keys, dry
 
 from sidmacib.design import LockKindSection, WeightsSection, directions_of, layouts_of
 from sidmacib.design.blocking import conflict, order_of
@@ -14,7 +15,10 @@ from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.design.sizing import carried, largest_factor, least_cost, needed
 from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.assembly import Assembly, Vector
+from sidmacib.mechanics.crushing import CrushedMaterial
+from sidmacib.structure.analysis.tilt import tilting
 from sidmacib.structure.blocks import box
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import force_at, free_weight
 from sidmacib.structure.structure import structure
 from studies.designed_vault.all_layouts import row
@@ -25,10 +29,11 @@ T1 = 8e4 * 0.05 * 0.4  # N, a lock along x in the face of `two_blocks`
 
 
 BASE = box("base", (0.0, 0.0, -0.3), (0.4, 0.6, 0.0), 2e3, fixed=True)
+BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3)
 
 
 def two_blocks(friction: float = FRICTION) -> Assembly:
-    return structure([BASE, box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3)], dry(friction))
+    return structure([BASE, BLOCK], dry(friction))
 
 
 def design_on(
@@ -57,6 +62,20 @@ LOAD = 3000.0  # N
 BLOCKS = two_blocks()
 BY_FRICTION = FRICTION * free_weight(BLOCKS)
 GIVEN = design_on(BLOCKS, [pushed(BLOCKS, LOAD)])
+
+
+def test_what_the_design_does_not_model_is_refused_by_name() -> None:
+    crushed = CrushedMaterial(**vars(dry(FRICTION)), compressive_strength=1e6)
+    locked = structure_of(condensed_keys()).assembly
+    turns = LoadCase("tilt", tilting(BLOCKS, (0.0, 1.0, 0.0)), 1.0)
+    changes: list[tuple[str, dict[str, Any]]] = [
+        ("compressive_strength: ", {"assembly": structure([BASE, BLOCK], crushed)}),
+        ("condensed locks: must not be there", {"assembly": locked}),
+        ("loads: gravity turns", {"cases": (turns,)}),
+    ]
+    for words, change in changes:
+        with pytest.raises(ValueError, match=words):
+            replace(GIVEN, **change)
 
 
 def test_two_blocks_need_what_friction_leaves() -> None:

@@ -123,9 +123,6 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
         raise ValueError("design: missing; this key is required")
     if "locks" in given.model_fields_set:
         raise ValueError("locks: must not be there, as the design finds them")
-    for each in (given.interfaces, *given.special):
-        if each.compressive_strength is not None:
-            raise ValueError("compressive_strength: is for multilock assembly, not for designs")
     design = given.design
     plain = {key: value for key, value in description.items() if key != "design"}
     texts = description["design"]["cases"].values()

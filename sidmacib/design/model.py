@@ -21,6 +21,7 @@ from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design import Layout, WeightsSection
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
 
@@ -47,7 +48,8 @@ class DesignProblem:
     """A task of design: an assembly without locks, its sites and load cases.
 
     That it stands before loads are raised is a case too. ``option``: where the forces of locks act.
-    ValueError without a site.
+    ValueError without a site, and for what the model has not: blocks that are crushed, condensed
+    locks, and loads that are not raised in proportion.
     """
 
     assembly: Assembly
@@ -57,6 +59,12 @@ class DesignProblem:
     option: ContactOption = OPTIONS["option3"]
 
     def __post_init__(self) -> None:
+        if crushed_faces(self.assembly):
+            raise ValueError("compressive_strength: is for multilock assembly, not for designs")
+        if any(face.kind is Kind.LOCKED for face in self.assembly.faces):
+            raise ValueError("condensed locks: must not be there, as the design finds them")
+        for case in self.cases:
+            case.loads.require_proportional()
         if not any(site.layouts for site in self.sites):
             raise ValueError("design: no dry interface of two convex blocks has room for the locks")
 
