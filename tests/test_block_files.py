@@ -19,7 +19,12 @@ from sidmacib.structure.files.block_files import FileSection, surfaces_in
 from sidmacib.structure.files.bodies import bodies_in
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.repair import repaired
-from sidmacib.structure.files.structure_file import blocks_and_rows, structure_of, with_bodies
+from sidmacib.structure.files.structure_file import (
+    blocks_and_rows,
+    notes_on,
+    structure_of,
+    with_bodies,
+)
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
@@ -125,7 +130,9 @@ def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Pat
     assert found == pytest.approx(expected, rel=1e-6)
     rows = answers("assembly", str(tmp_path / "arch.yaml"))
     assert rows[0]["load_N"] == pytest.approx(expected, rel=1e-3)
-    embedded = structure_of(with_bodies(text, tmp_path))  # as in a study, whose cases are whole
+    whole = with_bodies(text, tmp_path)  # as in a study, whose cases are whole
+    embedded = structure_of(whole)
+    assert "assumed: unit m" in notes_on(whole, embedded.assembly)
     assert limit_load(*embedded, friction=True).load == pytest.approx(expected, rel=1e-6)
 
 

@@ -81,7 +81,7 @@ ASKED: dict[str, dict[str, Any]] = {
     },
     "arch": ARCH,
     "mesh": {
-        "blocks": {"part": {"file": "box.obj", "unit": "m", "fixed": ["base"]}},
+        "blocks": {"part": {"file": "box.obj", "fixed": ["base"]}},  # in m, as is assumed
         "interfaces": {"friction": 0.7},
         "load": {**PUSH, "over_weight": 0.6},
     },
@@ -140,10 +140,10 @@ def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
         assert structures_verdict(of_study, found)[0] == finding("it", f"{said}.", kind)
         governs = found[found["governs"]].iloc[0]
         assert governs["decides"] == told["decides"] or not told["decides"]
-        factor = told["deciding_factor"]
-        expected = math.nan if factor is None else factor
+        expected = math.nan if told["deciding_factor"] is None else told["deciding_factor"]
         assert governs["factor"] == pytest.approx(expected, nan_ok=True)
     assert set(of_study["input_notes"].dropna()) == {"; ".join(told["notes"])} - {""}
+    assert all(line in summary("results", of_study, None, found) for line in told["notes"])
     for row in of_study.to_dict("records"):
         if row["model"] in rows and len(asked) == 1:
             same_answer(row, rows[row["model"]])

@@ -258,6 +258,11 @@ class FileSection(Keys):
         """Whether blocks have the default density because nothing says another."""
         return "density" not in self.model_fields_set and not self.file.lower().endswith(".json")
 
+    @property
+    def assumes_unit(self) -> bool:
+        """Whether lengths are in m because nothing says another unit."""
+        return self.length is None and not (self.has_unit or self.file.lower().endswith(".json"))
+
     def blocks(self, name: str, folder: Path) -> list[Block]:
         """The blocks, whose names begin with ``name``; ValueError."""
         try:

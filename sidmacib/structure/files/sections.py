@@ -229,6 +229,13 @@ class ShapeSection(Keys):
         return [replace(made, material=self.material)]
 
 
+class ReadSection(ShapeSection):
+    """A block of a mesh whose unit is assumed, as studies have it: read from its file."""
+
+    mesh: Text
+    """the file, as it is named in the structure's file"""
+
+
 def _times(value: Any, factor: float) -> Any:
     """Numbers without a unit of their own in ``value`` times a ``factor``."""
     if isinstance(value, list | tuple):
@@ -240,8 +247,9 @@ def _times(value: Any, factor: float) -> Any:
 def _block(value: Any) -> Any:
     if isinstance(value, Section):
         return value
-    of_file = isinstance(value, Mapping) and "file" in value
-    return (FileSection if of_file else ShapeSection).model_validate(value)
+    keys = value if isinstance(value, Mapping) else ()
+    of = FileSection if "file" in keys else ReadSection if "mesh" in keys else ShapeSection
+    return of.model_validate(value)
 
 
 def _load(value: Any) -> Any:
@@ -309,7 +317,8 @@ class StructureFile(Keys):
             found["friction"] = f"{INTERFACE.friction:g}"
         if any("density" not in each.model_fields_set for each in free):
             found["density"] = f"{FileSection.model_fields['density'].default:g} kg/m3"
-        if any(each.length is None and not each.has_unit for each in files):
+        read = any(isinstance(each, ReadSection) for each in self.blocks.values())
+        if read or any(each.assumes_unit for each in files):
             found["unit"] = "m"
         return found
 

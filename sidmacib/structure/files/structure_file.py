@@ -311,12 +311,14 @@ def with_bodies(description: Any, folder: Path) -> Any:
             blocks[name] = value
             continue
         section = FileSection.read(value, "blocks", name)
-        assumed = section.assumes_density  # which is said of the description, too
+        assumed = section.assumes_density  # which is said of the description, and so is the unit
+        unit = {"mesh": section.file} if section.assumes_unit else {}
         for block in section.blocks(str(name), folder):
             blocks[block.name] = {
                 "vertices": [list(vertex) for vertex in block.vertices],
                 "faces": [list(face) for face in block.faces],
                 **({} if assumed else {"density": block.density}),
+                **unit,
                 "fixed": block.fixed,
                 **({} if block.material is None else {"material": block.material}),
             }
