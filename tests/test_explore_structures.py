@@ -19,6 +19,7 @@ from analysis.explore.examples import (
     checked_choice,
     defaults,
 )
+from analysis.explore.numbers import numbers_of, put_numbers
 from analysis.explore.pictures import Answers
 from analysis.explore.state import SLIDERS, Settings, from_query
 from analysis.explore.structures import structure_answer
@@ -180,6 +181,49 @@ def test_two_files_stand_beside_each_other_with_what_differs(served: Served) -> 
     assert "kept: shown" in served.get(third).text
     three = send(served, a_yaml=kept, b_yaml=kept, c_yaml=kept).content["error"]
     assert three == "at most two structures are compared, not 3: a.yaml, b.yaml, c.yaml"
+
+
+def test_a_changed_number_opens_beside_the_file_that_it_is_of(served: Served) -> None:
+    """A block that slides at its friction, which is changed from 0.4 to 0.5 and on to 0.6."""
+    send(served, cube_yaml=CUBE + "load: {acceleration: [1, 0, 0]}\n")
+    page = send(served, cube_yaml=CUBE + "load: {acceleration: [1, 0, 0]}\n").content["page"]
+    number = of = int(page.partition("file=")[2])
+    for friction, load in ((0.5, "78.48"), (0.6, "94.18")):
+        values = {"of": of, "kept": number, "numbers": {"interfaces.friction": friction}}
+        found = served.post("/file", {"page": "f", "number": of, "values": values}).content
+        assert found["page"].endswith(f"&kept={number}")
+        of = int(found["page"].partition("file=")[2].partition("&")[0])
+        text = served.get(found["page"]).text
+        assert f"Peak at {load} N" in text and "kept, cube: Peak at 62.78 N" in text
+        assert f"changed here: interfaces.friction 0.4 \N{RIGHTWARDS ARROW} {friction}" in text
+        assert f'data-number="interfaces.friction" value="{friction}"' in text
+    values["numbers"] = {"interfaces.friction": -1.0}
+    found = served.post("/file", {"page": "f", "number": 9, "values": values}).content
+    assert "interfaces.friction: -1.0 is not allowed" in found["error"]
+    values["of"] = 999
+    found = served.post("/file", {"page": "f", "number": 9, "values": values}).content
+    assert "no longer in memory" in found["error"]
+
+
+def test_numbers_keep_their_kind_and_unit() -> None:
+    description = {
+        "blocks": {"1": {"low": [0, 0, 0], "density": "2.1t/m3", "scale": 2, "fixed": True}},
+        "interfaces": {"friction": 0.7, "cohesion": 0},
+        "locks": [{"between": ["1", "2"], "first": "2", "count": 3, "height": "20 mm"}],
+    }
+    shown = {each.name: (each.value, each.unit, *each.slider) for each in numbers_of(description)}
+    assert shown == {
+        "interfaces.friction": (0.7, "", 0.0, 1.4, 0.01),
+        "interfaces.cohesion": (0.0, "", 0.0, 0.0, 0.0),
+        "locks.1.count": (3.0, "", 1.0, 10.0, 1.0),
+        "locks.1.height": (20.0, "mm", 0.0, 40.0, 0.4),
+        "blocks.1.density": (2.1, "t/m3", 0.0, 4.2, 0.04),
+    }
+    told = put_numbers(description, {"locks.1.count": 4.0, "locks.1.height": 25.0})
+    arrow = "\N{RIGHTWARDS ARROW}"
+    assert told == [f"locks.1.count 3 {arrow} 4", f"locks.1.height 20 {arrow} 25 mm"]
+    assert repr(description["locks"][0]["count"]) == "4"
+    assert description["locks"][0]["height"] == "25.0mm"
 
 
 def test_of_load_cases_the_one_that_governs_opens(served: Served) -> None:

@@ -151,3 +151,31 @@ def test_a_dropped_file_opens_beside_the_one_that_is_shown(opened: Opened) -> No
     page.go_back()
     expect(page.locator("#comparison")).to_have_count(0)
     assert opened.errors == []
+
+
+def test_a_number_of_a_file_is_changed_in_sight_of_the_picture(
+    browser: Browser, served: Served
+) -> None:
+    opened = opened_at(browser, f"{served.url}/structures", viewport={"width": 1280, "height": 800})
+    page = opened.page
+    box = page.locator("#structure-plot").bounding_box()
+    assert box is not None and box["y"] + box["height"] <= 800
+    page.set_input_files("#open", STUDIES / "structures/trilith.yaml")
+    page.wait_for_url("**/opened?file=*")
+    box = page.locator("#structure-plot").bounding_box()
+    assert box is not None and box["y"] < 400 and box["y"] + box["height"] <= 820
+    field = page.locator("[data-number='interfaces.friction']")
+    field.fill("-1")
+    page.keyboard.press("Tab")
+    expect(page.locator("#problem")).to_contain_text("interfaces.friction: -1.0")
+    field.fill("0.77")
+    page.keyboard.press("Tab")
+    page.wait_for_url("**/opened?file=*&kept=*")
+    row = page.locator("#comparison tr", has_text="interfaces.friction")
+    assert row.locator("td").all_text_contents()[1:] == ["0.7", "0.77", "+0.07", "+10.0 %"]
+    with page.expect_download() as saved:
+        page.click("#save-file")
+    assert parsed(saved.value.path().read_bytes())["interfaces"]["friction"] == 0.77
+    assert Axe().run(page).violations_count == 0
+    assert opened.errors == []
+    page.close()

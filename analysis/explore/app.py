@@ -12,10 +12,10 @@ from functools import cache, partial
 from itertools import product
 from pathlib import Path
 from threading import Condition, Thread
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
-from pydantic import BaseModel, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 from werkzeug.exceptions import (
     BadRequest,
     Forbidden,
@@ -32,6 +32,7 @@ from analysis.explore import examples, pictures, state, structures
 from analysis.explore.examples import Chosen
 from analysis.explore.state import Checked, Read, Settings, Slider
 from sidmacib.errors import CapacityError, ResultError
+from sidmacib.mechanics.compilation import Kept
 from sidmacib.scene.page import HERE as SCENE
 from sidmacib.scene.page import rendered
 
@@ -75,6 +76,7 @@ POLICY_OF_FILES = (
 SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
+COMPILING = "Compiling the solvers, once, which takes up to a minute …"
 FAULTS = (CapacityError, ResultError, ValueError, ArithmeticError, MemoryError)  # of a file
 
 Content = dict[str, Any]
@@ -154,6 +156,7 @@ class Explorer:
             "/file": (_sent, self._file),
         }
         self._pages = {"/": page, "/structures": structures_page}
+        self._first_words = "computing …"
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
         """Answer a request; a fault of the request, or of a model, is described in one line."""
@@ -171,10 +174,17 @@ class Explorer:
 
     def warm_up(self) -> None:
         """Compile the static model before the first request needs it."""
+
+        def tell() -> None:
+            self._first_words = COMPILING
+            print(COMPILING, flush=True)
+
+        Kept.at_first = tell
         with self._desk.turn("", 0):
             pictures.answers(state.Settings())
         with self._desk.turn("", 0):
             structures.structure_answer(examples.checked_choice({}).state)
+        self._first_words = "computing …"
 
     def _respond(self, request: Request) -> Response:
         path = request.path
@@ -187,7 +197,7 @@ class Explorer:
             raise NotFound(f"A post goes to {' or '.join(self._posts)}.")
         if path in self._pages:
             query = request.query_string.decode("ascii", "replace")
-            return Response(self._pages[path](query), mimetype="text/html")
+            return Response(self._pages[path](query, self._first_words), mimetype="text/html")
         if path == structures.OPENED:
             own = {"Content-Security-Policy": POLICY_OF_FILES}
             return Response(self._files.page(request.args), mimetype="text/html", headers=own)
@@ -274,29 +284,22 @@ class Explorer:
             "link": f"structures?{given.query}",
         }
 
-    def _file(self, turn: Turn, given: Checked["_Sent"]) -> Content:
+    def _file(self, turn: Turn, given: Checked[structures.Sent]) -> Content:
         """The address of the page of a file that was sent, or what is wrong with it, in a line."""
         try:
             with turn():
-                return {"page": self._files.opened(*given.state), "error": None}
+                return {"page": self._files.opened(given.state), "error": None}
         except FAULTS as error:
             return {"page": None, "error": " ".join(str(error).split())}
 
 
-class _Sent(NamedTuple):
-    """Files, and the number of the one that they are compared with, 0 for none."""
-
-    files: list[structures.SentFile]
-    kept: int = 0
-
-
-def _sent(values: Mapping[str, object]) -> Checked[_Sent]:
+def _sent(values: Mapping[str, object]) -> Checked[structures.Sent]:
     try:
-        return Checked(TypeAdapter(_Sent).validate_python(values), ())
+        return Checked(structures.Sent.model_validate(values), ())
     except ValidationError:
         raise BadRequest(
-            "files must be a list of objects with name and data in base64, "
-            "and kept the number of a file."
+            "files must be a list of objects with name and data in base64, kept and of the number "
+            "of a file, and numbers have a number for each name."
         ) from None
 
 
@@ -309,15 +312,20 @@ class _Post(BaseModel):
     kept: dict[str, Any] | None = None
 
 
-def page(query: str) -> str:
-    """The page of a joint as HTML, with the sliders as the ``query`` of a link has them."""
+def page(query: str, first_words: str) -> str:
+    """The page of a joint as HTML, with the sliders as the ``query`` of a link has them.
+
+    ``first_words``: those in place of an answer, until there is one.
+    """
     link = state.from_query(query, state.checked)
     kept = link.kept and link.kept.values
-    return _rendered("joint", state.SLIDERS, link, values=link.state.values, kept=kept)
+    return _rendered(
+        "joint", state.SLIDERS, link, values=link.state.values, kept=kept, first_words=first_words
+    )
 
 
-def structures_page(query: str) -> str:
-    """The page of structures as HTML, with the sliders as the ``query`` of a link has them."""
+def structures_page(query: str, first_words: str) -> str:
+    """The page of structures as HTML, as `page` is of a joint."""
     link = state.from_query(query, examples.checked_choice)
     known, models = examples.EXAMPLES, examples.STRUCTURE_MODELS
     return _rendered(
@@ -330,6 +338,7 @@ def structures_page(query: str) -> str:
         values=dict(link.state.values),
         kept=link.kept and link.kept.chosen,
         kinds=structures.READ,
+        first_words=first_words,
     )
 
 

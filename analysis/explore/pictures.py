@@ -25,6 +25,11 @@ from sidmacib.rule.reliability import resistances
 from sidmacib.rule.spans import require_covered
 
 SYMBOLS = {"law": "x", "safe": "star", "characteristic": "diamond", "design": "circle"}
+DESIGN_WITH = {  # as far as they are known, the one to design with first
+    "design": "design resistance",
+    "characteristic": "characteristic resistance",
+    "safe": "safe rule",
+}
 MOST_VALUES = 41  # of a slider, that are tried
 # What a slider changes; the tensile strength goes with the cohesion.
 FIELDS = tuple(
@@ -125,28 +130,28 @@ def answers(state: Settings) -> Answers:
     joint, direction = state.joint, Direction(state.eccentricity)
     found, rigid = peak(joint, state.eccentricity), joint.elastic is None
     if found is None:
-        told = "nothing carries the load." if rigid else "no first failure is known."
+        last = "nothing carries the load" if rigid else "no first failure is known"
     else:
-        told = f"{'peak' if rigid else 'first failure'} at {_in_words(found)}"
-    words = f"{joint.locks} locks, e = {state.eccentricity:g} a: {told}"
+        last = f"{'peak' if rigid else 'first failure'} at {_in_words(found)}"
     rules: dict[str, LawCapacity] = {}
+    why = ""
     try:
         for name, rule in RULES.items():
             rules[name] = rule(joint, direction)
-    except (CapacityError, ValueError) as error:
-        return Answers(found, rules, f"{words} No safe rule: {error}.")
-    words += f" Safe: {_in_words(rules['safe'])}"
-    try:
         for name, resistance in resistances(state.reliability).items():
             rules[name] = resistance(joint, direction)
-            words += f" {name.capitalize()} resistance: {_in_words(rules[name])}"
     except (CapacityError, ValueError) as error:
-        words += f" No resistance: {error}."
+        why = f" No {'resistance' if 'safe' in rules else 'safe rule'}: {error}."
+    known = [name for name in DESIGN_WITH if name in rules]
+    told = [f"{DESIGN_WITH[name]} {_in_words(rules[name])}" for name in known]
+    if known and known[0] != "characteristic" and not why:
+        told[0] = f"design with {_in_words(rules[known[0]])} ({DESIGN_WITH[known[0]]})"
+    words = f"{joint.locks} locks, e = {state.eccentricity:g} a: {'; '.join([*told, last])}.{why}"
     return Answers(found, rules, f"{words} T0 = {joint.T0:.4g} N.")
 
 
 def _in_words(load: Peak | LawCapacity) -> str:
-    return f"V = {load.shear:.4g} N, M = {load.torque:.3g} N m."
+    return f"V = {load.shear:.4g} N, M = {load.torque:.3g} N m"
 
 
 def results(state: Settings, found: Answers, counted: Counted | None = None) -> dict[str, Figure]:

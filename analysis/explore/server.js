@@ -33,8 +33,12 @@ async function inBase64(file) {
 
 async function openFiles(files) {
   if (!files.length) return;
-  at("notes").textContent = `Computing ${[...files].map((file) => file.name).join(", ")} …`;
-  const values = { files: await Promise.all([...files].map(inBase64)), kept: Number(at("open").dataset.kept) };
+  const sent = { files: await Promise.all([...files].map(inBase64)), kept: Number(at("open").dataset.kept) };
+  openPage(sent, [...files].map((file) => file.name).join(", "));
+}
+
+async function openPage(values, what) {
+  at("notes").textContent = `Computing ${what} …`;
   const answer = await post("file", { page: `${PAGE}f`, number: ++latestFile, values }, "file");
   at("notes").textContent = "";
   if (answer && answer.page) location.assign(answer.page);
@@ -46,3 +50,17 @@ if (at("open")) {
   addEventListener("dragover", (event) => event.preventDefault());
   addEventListener("drop", (event) => { event.preventDefault(); openFiles(event.dataTransfer.files); });
 }
+
+// The numbers of a file: all of them are sent when one is changed, and the page of the changed file opens.
+const numbers = [...document.querySelectorAll("[data-number]")];
+for (const field of numbers) {
+  const slider = field.closest(".one").querySelector('[type="range"]'), { of, kept } = at("numbers").dataset;
+  const send = () => {
+    if (numbers.some((each) => Number.isNaN(each.valueAsNumber))) return;
+    const asked = Object.fromEntries(numbers.map((each) => [each.dataset.number, each.valueAsNumber]));
+    openPage({ of: Number(of), kept: Number(kept), numbers: asked }, field.dataset.number);
+  };
+  slider.addEventListener("input", () => { field.value = slider.value; });
+  for (const each of [field, slider]) each.addEventListener("change", send);
+}
+if (at("save-file")) at("save-file").addEventListener("click", () => save(at("save-file").dataset.text, "application/yaml", "changed.yaml"));

@@ -12,10 +12,12 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
+import yaml
 from pydantic import Base64Bytes, BaseModel
 from werkzeug.exceptions import NotFound
 
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
+from analysis.explore.numbers import numbers_of, put_numbers
 from analysis.explore.state import Figure, compared
 from sidmacib.answers.ask import Solved, limit_of, static_of
 from sidmacib.answers.said import Static
@@ -43,7 +45,8 @@ KEPT = 64  # examples that are not computed again
 YAML = (".yaml", ".yml")
 READ = *YAML, *OF_BLOCKS
 OPENED = "/opened"
-MOST_FILES = 8  # that are remembered
+FORGOTTEN = "This file is no longer in memory; open it again at /structures."
+MOST_FILES = 24  # that are remembered
 HERE = Path(__file__).parent
 TEMPLATE, SCRIPT = HERE / "opened.html.j2", HERE / "server.js"
 
@@ -157,6 +160,18 @@ class SentFile(BaseModel):
     data: Base64Bytes
 
 
+class Sent(BaseModel):
+    """What the page of a file sends: ``files``, or ``numbers`` by name that change the file ``of``.
+
+    ``kept``: the number of the file that they are compared with. 0: none.
+    """
+
+    files: list[SentFile] = []
+    kept: int = 0
+    of: int = 0
+    numbers: dict[str, float] = {}
+
+
 class OpenedFiles:
     """The structures that were sent last, by number."""
 
@@ -164,13 +179,19 @@ class OpenedFiles:
         self._found: dict[int, OpenedFile] = {}
         self._newest = 0
 
-    def opened(self, files: Sequence[SentFile], kept: int) -> str:
-        """The address of the page of ``files``, beside the one with the number ``kept``, if any.
+    def opened(self, sent: Sent) -> str:
+        """The address of the page of what is ``sent``, beside the file that is kept, if any.
 
         Errors of the models; ValueError for files of something else.
         """
-        numbers = [kept]
-        for found in opened_files(files):
+        for each in (sent.of, sent.kept):
+            if each and each not in self._found:
+                raise ValueError(FORGOTTEN)
+            if each:
+                self._found[each] = self._found.pop(each)  # to the end
+        numbers = [sent.kept]
+        changed = [self._found[sent.of].changed(sent.numbers)] if sent.of else []
+        for found in changed or opened_files(sent.files):
             self._newest += 1
             numbers.append(self._newest)
             self._found[self._newest] = found
@@ -185,16 +206,25 @@ class OpenedFiles:
         number, kept = query.get("file", ""), query.get("kept", "")
         files = {str(each): found for each, found in [*self._found.items()]}
         if number not in files or (kept and kept not in files):
-            raise NotFound("This file is no longer in memory; open it again at /structures.")
+            raise NotFound(FORGOTTEN)
         words = {"number": number, "kept_number": kept, "server": SCRIPT.read_text()}
         return files[number].page(files.get(kept), words)
 
 
 class OpenedFile(NamedTuple):
-    """A structure that was sent, by the ``name`` of its file."""
+    """A structure that was sent: its ``path`` among ``files``, and its name for the command."""
 
     name: str
     answer: StructureAnswer
+    path: str
+    files: Sequence[SentFile]
+
+    def changed(self, numbers: Mapping[str, float]) -> "OpenedFile":
+        """With ``numbers`` by name in place of those in its file. Errors of the models."""
+        with TemporaryDirectory() as folder:
+            for each in self.files:
+                _written(each, Path(folder))
+            return _opened(Path(folder) / self.path, self.files, numbers)
 
     def page(self, kept: "OpenedFile | None", words: Mapping[str, Any]) -> str:
         """The command's page, beside the file that is ``kept``, if one is.
@@ -204,11 +234,14 @@ class OpenedFile(NamedTuple):
         here = self.answer
         data, own = here.views.content(here.rows, f"multilock assembly {self.name}")
         shown: dict[str, Any] = {"kept": kept and kept.answer.views, "comparison": []}
+        shown["numbers"] = [(each, *each.slider) for each in numbers_of(here.description)]
+        shown["yaml"] = yaml.safe_dump(here.description, sort_keys=False, default_flow_style=None)
         if kept is not None:
             there = kept.answer
             data["structures"] += there.views.content(there.rows, "")[0]["structures"]
             lines = compared((here.told, there.told), (here.carried, there.carried))
             shown["comparison"] = [[cell(value) for value in line] for line in lines]
+            shown["notes"] = [*own["notes"], f"kept, {there.views.title}: {there.views.answer}"]
         return page(data, {**own, **words, **shown, "kinds": READ}, TEMPLATE)
 
 
@@ -227,13 +260,16 @@ def opened_files(files: Sequence[SentFile]) -> list[OpenedFile]:
         if len(found) > 2:
             names = ", ".join(path.name for path in found)
             raise ValueError(f"at most two structures are compared, not {len(found)}: {names}")
-        return [_opened(path) for path in found]
+        return [_opened(path, files) for path in found]
 
 
-def _opened(path: Path) -> OpenedFile:
+def _opened(
+    path: Path, files: Sequence[SentFile], numbers: Mapping[str, float] | None = None
+) -> OpenedFile:
     description = description_in(path)
+    told = put_numbers(description, numbers or {})
     demands = demands_of(description, path.parent)
-    demand, name, notes = demands[0], path.name, []
+    demand, name, notes = demands[0], path.name, [f"changed here: {', '.join(told)}"] * bool(told)
     if not demand.raises:
         raise ValueError(
             "load: missing; give one, such as load: {acceleration: [1, 0, 0]}, or look at the "
@@ -248,8 +284,9 @@ def _opened(path: Path) -> OpenedFile:
     else:
         _, words, solved = case_rows(demands)
         name = f"{path.name} --case {shlex.quote(str(solved.demand.case))}"
-        notes = [f"{words}."]
-    return OpenedFile(name, StructureAnswer.of(path, description, solved, notes))
+        notes.append(f"{words}.")
+    answer = StructureAnswer.of(path, description, solved, notes)
+    return OpenedFile(name, answer, path.name, files)
 
 
 def _written(file: SentFile, folder: Path) -> Path:

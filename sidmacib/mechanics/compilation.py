@@ -14,7 +14,7 @@ from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from pickle import UnpicklingError
-from typing import Any
+from typing import Any, ClassVar
 
 from numba import njit
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, _CacheLocator
@@ -63,7 +63,12 @@ class Shipped(FunctionCache):
 
 
 class Kept(NullCache):
-    """Looks for a compiled function where it was shipped, then where numba keeps its own."""
+    """Looks for a compiled function where it was shipped, then where numba keeps its own.
+
+    ``at_first``: called before the first function of this process that has to be compiled.
+    """
+
+    at_first: ClassVar[Callable[[], object] | None] = None
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self._places: list[Any] = [Shipped(function)]
@@ -77,6 +82,9 @@ class Kept(NullCache):
                 found = place.load_overload(sig, target_context)
                 if found is not None:
                     return found
+        tell, Kept.at_first = Kept.at_first, None
+        if tell is not None:
+            tell()
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
