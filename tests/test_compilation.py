@@ -10,11 +10,15 @@ from pathlib import Path
 import pytest
 
 import sidmacib
+from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.answers.joint import quick_path
+from sidmacib.dynamics import precompiled as in_time
 from sidmacib.joint import Hold
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics import compilation
 from sidmacib.mechanics.precompiled import signatures
+from sidmacib.structure.files.structure_file import demands_of
+from sidmacib.yaml_text import read_yaml
 
 INNER = """from kernels.compilation import compiled
 
@@ -58,6 +62,15 @@ def test_what_is_compiled_ahead_is_what_the_static_model_calls() -> None:
     assert len(called) >= 6
     for function, given in called.items():
         assert given == {signatures()[function]}, function.py_func.__name__
+
+
+def test_what_is_compiled_ahead_is_what_the_model_in_time_calls() -> None:
+    folder = Path(__file__).parents[1] / "studies/time"
+    description = read_yaml(folder / "arch.yaml")
+    description["load"]["duration"] = 0.05
+    TimeAnswer.of(demands_of(description, folder, in_time=True)[0].problem)
+    ((function, given),) = in_time.signatures().items()
+    assert set(function.signatures) == {given}
 
 
 def answer(kernels: Path, before: str = "", **environment: str) -> str:

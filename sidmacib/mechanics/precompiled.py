@@ -1,4 +1,4 @@
-"""Compile functions ahead, when the package is built: python -m sidmacib.mechanics.precompiled.
+"""Compile functions ahead, when the package is built, see `sidmacib.dynamics.precompiled`.
 
 The files are for this Python, numba and processor. Elsewhere functions are compiled at first use.
 """
@@ -6,6 +6,7 @@ The files are for this Python, numba and processor. Elsewhere functions are comp
 # mypy: allow-untyped-calls
 
 import shutil
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -52,15 +53,10 @@ def signatures() -> dict[Any, Signature]:
     }
 
 
-def main() -> None:
-    """Write all of them into the folder of the package."""
+def compile_ahead(found: Mapping[Any, Signature]) -> None:
+    """Write all functions, each for its types, into the folder of the package."""
     shutil.rmtree(SHIPPED, ignore_errors=True)
-    found = signatures()
     for function in found:  # before any is compiled, as one compiles others
         function._cache = Shipped(function.py_func)
     for function, given in found.items():
         function.compile(given)
-
-
-if __name__ == "__main__":
-    main()
