@@ -47,7 +47,7 @@ def test_all_files_name_the_same_version_title_authors_licence_keywords_and_pape
 def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
     """It has all modules of the library and none of the workflow, and gives the same numbers.
 
-    Its first command compiles nothing.
+    Its first commands compile nothing, and it is tagged for the Python and platform of that code.
     """
     uv, environment = Path(sys.executable).with_name("uv"), tmp_path / "environment"
 
@@ -62,6 +62,8 @@ def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
     python = ("--python", sys.executable)
     run(uv, "build", "--wheel", "--no-build-isolation", *python, "--out-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("*.whl")
+    python_tag = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    assert f"-{python_tag}-{python_tag}-linux_" in wheel.name
     with zipfile.ZipFile(wheel) as archive:
         modules = {name for name in archive.namelist() if name.endswith(".py")}
     assert modules == {str(p.relative_to(ROOT)) for p in (ROOT / "sidmacib").rglob("*.py")}
@@ -72,8 +74,9 @@ def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
     here = Path(sys.executable).with_name("multilock")
     assert run(environment / "bin/multilock", *question) == run(here, *question)
     kept = tmp_path / "kept"
-    first = ("env", f"NUMBA_CACHE_DIR={kept}", environment / "bin/multilock", "capacity", "-n", "3")
-    assert "static" in run(*first)
+    first = ("env", f"NUMBA_CACHE_DIR={kept}", environment / "bin/multilock")
+    assert "static" in run(*first, "capacity", "-n", "3")
+    assert "stands for 3 s" in run(*first, "assembly", ROOT / "studies/time/arch.yaml")
     assert not list(kept.rglob("*.nbc"))
 
 
@@ -113,6 +116,12 @@ def test_github_runs_what_the_own_machine_runs() -> None:
     assert any(step.get("run") == "bash .ci/run" for step in steps["steps"])
 
 
+def test_actions_are_pinned_by_their_digests() -> None:
+    for path in (ROOT / ".github/workflows").glob("*.yml"):
+        for used in re.findall(r"uses: (.*)", path.read_text()):
+            assert re.fullmatch(r"[\w/-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", used), used
+
+
 def test_only_what_was_built_and_checked_is_published_without_a_password() -> None:
     text = (ROOT / ".github/workflows/publish.yml").read_text()
     jobs = yaml.safe_load(text)["jobs"]
@@ -121,6 +130,8 @@ def test_only_what_was_built_and_checked_is_published_without_a_password() -> No
     assert jobs["publish"]["needs"] == "build"
     assert jobs["publish"]["permissions"] == {"id-token": "write"}
     assert "secrets." not in text
+    (built,) = (each for each in jobs["build"]["steps"] if each.get("run") == "python -m build")
+    assert built["env"] == {"MULTILOCK_PRECOMPILE": "0"}  # PyPI takes no wheel for one machine
 
 
 EXTRAS = dict(PROJECT["optional-dependencies"])
