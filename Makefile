@@ -87,7 +87,8 @@ docs: .venv/test.ready
 bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
 	@OPENBLAS_NUM_THREADS=1 exec $(BIN)/python -m benchmarks.bench $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
-test: .venv/test.ready lint
+# With packages that users may add, so that no test is skipped.
+test: .venv/test.ready .venv/compas.ready .venv/rhino.ready .venv/step.ready lint
 	$(BIN)/pytest --numprocesses 2 --dist worksteal
 
 test-slurm: .venv/test.ready .venv/slurm.ready
