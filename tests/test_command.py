@@ -15,6 +15,7 @@ from joints import sawn
 
 from analysis.drawing import label_of
 from sidmacib import Elastic, law, lock_weights, lowest_peak, pairs_of, safe, sensitivity
+from sidmacib.command import output
 from sidmacib.command.answers import capacity_rows
 from sidmacib.command.main import main
 from sidmacib.command.options import GROUPS, Grouped
@@ -283,6 +284,16 @@ def test_a_terminal_sees_what_is_computed_and_nothing_of_it_at_the_end(
     with status_line() as show:
         show("1 of 2: law, e/a = 0")
     assert capsys.readouterr().err == "\r\x1b[K1 of 2: law, e/a = 0\r\x1b[K"
+
+
+def test_what_each_model_answers_is_told_where_all_take_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(output, "PATIENCE", 0.0)
+    found = run("capacity", "-n", "5", "-m", "safe", "-m", "static", "--units", "kN")
+    (row,) = [line.split() for line in found.stdout.splitlines() if line.split()[1] == "safe"]
+    assert f"1 of 2: safe, e/a = 0: V = {row[2]} kN, M = 0 N m\n" in found.stderr
+    assert "2 of 2: static, e/a = 0 ...\n" in found.stderr
 
 
 def test_columns_are_in_the_units_that_were_asked_for() -> None:

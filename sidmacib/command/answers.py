@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.models.joint_answers import MODELS, Model, answer_of, joint_verdict
+from sidmacib.quantities import four_digits
 
 if TYPE_CHECKING:
     from sidmacib.answers.answer import Answer
@@ -27,12 +28,13 @@ def capacity_rows(
     push: Push,
     progress: Callable[[str], object] = str,
     demand: "Demand | None" = None,
+    tell: Callable[[str], object] = str,
 ) -> "tuple[list[Row], Verdict | None]":
     """Shear and torque that each model gives, in each direction e / a.
 
     A model that refuses the joint has a note in place of a load. ``progress`` is told what is
-    computed next. ``demand``: a load in the one direction; rows then have the factor on it, and
-    there is a verdict.
+    computed next, ``tell`` what is known. ``demand``: a load in the one direction; rows then have
+    the factor on it, and there is a verdict.
     """
     rows: list[Row] = []
     answers: dict[str, Answer] = {}
@@ -40,6 +42,7 @@ def capacity_rows(
         direction = Direction(ratio)
         place = f"{len(rows) + 1} of {len(ratios) * len(models)}"
         progress(f"{place}: {name}, e/a = {ratio:g}")
+        tell(f"{place}: {name}, e/a = {ratio:g} ...")
         answers[name] = answer = answer_of(name, models[name], joint, direction, push)
         load, failures = answer.value, answer.failures
         needed = None if demand is None else demand.load(joint)
@@ -57,7 +60,14 @@ def capacity_rows(
                 "note": answer.note,
             }
         )
+        tell(f"{place}: {name}, e/a = {ratio:g}: {_loads_in_words(rows[-1])}")
     return rows, None if demand is None else joint_verdict(demand, joint, answers)
+
+
+def _loads_in_words(row: Row) -> str:
+    if row["V (N)"] is None:
+        return f"no answer: {row['note']}"
+    return f"V = {four_digits(row['V (N)'])} N, M = {four_digits(row['M (N m)'])} N m"
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:

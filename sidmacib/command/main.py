@@ -34,6 +34,7 @@ from sidmacib.command.output import (
     say,
     status_line,
     text_of,
+    told_late,
 )
 from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint import Direction
@@ -173,8 +174,8 @@ def capacity(
     directions = list(dict.fromkeys(ratios or (0.0,)))
     if note is not None and len(directions) > 1:
         raise click.UsageError("--note: needs one direction, -e once")
-    with status_line() as progress:
-        rows, verdict = capacity_rows(joint, directions, asked, Push(push), progress, demand)
+    with told_late() as tell, status_line() as progress:
+        rows, verdict = capacity_rows(joint, directions, asked, Push(push), progress, demand, tell)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint), joined=False), picture)
     if note is not None:
@@ -209,8 +210,8 @@ def envelope(
     """Compute the V-M curve from pure shear to pure torsion."""
     joint = joint_of(flags)
     asked = {name: MODELS[name] for name in models or ("safe", "law")}
-    with status_line() as progress:
-        rows, _ = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress)
+    with told_late() as tell, status_line() as progress:
+        rows, _ = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress, tell=tell)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     click.echo(text_of(rows, form))

@@ -195,10 +195,11 @@ def told_late() -> Iterator[Callable[[str], object]]:
     def tell(*words: str) -> None:
         nonlocal late
         with lock:
-            told.extend(words)
+            told.extend(map(in_asked_words, words))
             late = late or not words  # from the timer
             while late and told:
-                click.echo(told.pop(0), err=True)
+                # in place of what `status_line` shows
+                click.echo(("\r\x1b[K" if sys.stderr.isatty() else "") + told.pop(0), err=True)
 
     timer = threading.Timer(PATIENCE, tell)
     timer.daemon = True
