@@ -73,10 +73,20 @@ class TimeAnswer:
 
     @property
     def said(self) -> str:
-        """Yes, no, or open: where blocks reach into each other by too much to say so."""
+        """Yes, no, or open: where blocks reach too far into each other, or a bond would fail."""
         if not self.history.stands:
             return "No"
-        return "Open" if self.history.pressed > PRESSED * self.history.thin else "Yes"
+        pressed = self.history.pressed > PRESSED * self.history.thin
+        return "Open" if pressed or (self.root and self.root[1] > 1.0) else "Yes"
+
+    @property
+    def root(self) -> tuple[str, float] | None:
+        """The lock whose bond uses most of its strength, and the part of it; None without any."""
+        if not len(self.history.used):
+            return None
+        most = int(self.history.used.argmax())
+        name = self.problem.assembly.pieces[int(self.history.roots[most])].name
+        return name, float(self.history.used[most])
 
     @property
     def words(self) -> str:
@@ -89,6 +99,11 @@ class TimeAnswer:
         if first is not None:
             name, time = self.problem.assembly.pieces[first].name, float(self.history.fallen[first])
             return f"{name} falls first, at {time:g} s ({FELL})"
+        if self.root and self.root[1] > 1.0:
+            return (
+                f"the bond of {self.root[0]} would have to carry {four_digits(self.root[1])} times "
+                "its strength, and bonds do not fail in time"
+            )
         if self.said == "Open":
             return f"blocks reach into each other by {self.history.pressed:.2g} m; halve load.step"
         moved, turned = self.largest_shift, self.largest_turn
@@ -103,7 +118,11 @@ class TimeAnswer:
         loose = self.history.left > LOOSE
         doubt = f"; impulses are found to {100 * self.history.left:.2g} % only" if loose else ""
         pressed = f"blocks reach into each other by {self.history.pressed:.2g} m at most"
-        return f"rigid blocks, inelastic impacts; {pressed}{doubt}"
+        roots = ""
+        if self.root:
+            used = f"{100 * self.root[1]:.3g} % of their strength"
+            roots = f"what is bonded is one block, with bonds that carry at most {used}; "
+        return f"rigid blocks, inelastic impacts; {roots}{pressed}{doubt}"
 
 
 def falls_at(
@@ -114,13 +133,14 @@ def falls_at(
     0 if it falls down to the inverse of that. ``known``: whether it stands under the motion itself.
 
     By doubling or halving until it falls or stands, and bisection in between. It may stand again at
-    larger factors, and fall at smaller ones that were not tried. ``tell`` is told what is found.
+    larger factors, and fall at smaller ones that were not tried. A bond of a lock that would have
+    to carry more than its strength counts as a fall. ``tell`` is told what is found.
     """
     assembly, loads = problem
     assert isinstance(loads, TimeLoads), "loads in time"
 
     def stands(factor: float) -> bool:
-        found = history(assembly, loads, factor, until_it_falls=True).stands
+        found = history(assembly, loads, factor, until_it_falls=True).holds
         tell(f"factor {factor:.4g}: {'stands' if found else 'falls'}")
         return found
 

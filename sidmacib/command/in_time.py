@@ -53,13 +53,14 @@ def time_rows(answer: TimeAnswer) -> list[Row]:
 
 def collapse_row(answer: TimeAnswer, tell: Tell) -> Row:
     """The factor on the ground motion at which the structure falls."""
-    factor = falls_at(answer.problem, answer.history.stands, tell)
+    factor = falls_at(answer.problem, answer.history.holds, tell)
     note = MONOTONIC
     if factor is None:
         note = f"it stands up to {STEEPEST:g}"
     elif not factor:
         note = f"it falls down to 1 / {STEEPEST:g}"
-    name = "factor on the ground motion at which it falls"
+    roots = ", or a bond would fail" if answer.root else ""
+    name = f"factor on the ground motion at which it falls{roots}"
     return {"what": name, "value": factor or None, "block": "", "time (s)": None, "note": note}
 
 

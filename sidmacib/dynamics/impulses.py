@@ -23,6 +23,7 @@ import numpy as np
 
 from sidmacib.dynamics.bodies import Frames, accelerate, advance, put_frames
 from sidmacib.dynamics.contacts import Places, find_contacts, put_solids
+from sidmacib.dynamics.roots import note_used
 from sidmacib.mechanics.compilation import compiled
 
 FEWEST, MOST = 100, 5_000  # sweeps over the contacts in a step
@@ -170,13 +171,14 @@ def _farthest(one, other):
 
 
 @compiled
-def steps(solids, built, bodies, state, pairs, contacts, acting, near, start, told):
+def steps(solids, built, bodies, state, pairs, contacts, acting, near, start, told, roots, used):
     """Steps, one for each row of the ground's accelerations: the number of steps made.
 
     Until a vertex has moved by more than ``near`` (m) from where it was at the ``start``, (V, 3),
     so that other pairs may come together. ``contacts``: those of the step before, and room for the
     next; after an odd number of steps they have changed places. ``told``: has the largest change
     that was left, over the largest impulse, the least gap (m), and 1 if a vertex has moved so far.
+    ``used``: of the strength of ``roots``, see `note_used`.
     """
     count = len(bodies.mass)
     frames = Frames(np.empty((count, 3, 3)), np.zeros((count, 3, 3)), np.zeros((count, 3, 3)))
@@ -184,16 +186,20 @@ def steps(solids, built, bodies, state, pairs, contacts, acting, near, start, to
         np.empty_like(built.vertices), np.empty_like(built.normals), np.empty_like(built.edges)
     )
     before, now = contacts
+    velocities = np.empty_like(state.speed), np.empty_like(state.spin)
     for step in range(len(acting.ground)):
         advance(bodies, state, 0.5 * acting.h)
         put_frames(bodies, state, frames)
         put_solids(solids, built, state.centre, frames.turn, places)
         find_contacts(solids, places, pairs, near, before, now)
         work = _prepare(bodies, state, frames, now, acting)
+        velocities[0][:], velocities[1][:] = state.speed, state.spin
         accelerate(
             bodies, state, frames, acting.forces, acting.levers, acting.ground[step], acting.h
         )
         left = _solve(bodies, state, now, work, acting.unit)
+        ground = acting.ground[step]
+        note_used(roots, pairs, now, state, frames, velocities, acting, ground, used)
         before, now = now, before
         advance(bodies, state, 0.5 * acting.h)
         told[0] = max(told[0], left)

@@ -15,9 +15,10 @@ from sidmacib.dynamics.bodies import State
 from sidmacib.dynamics.collide import POINTS
 from sidmacib.dynamics.contacts import Contacts, Pairs
 from sidmacib.dynamics.impulses import Acting, steps
+from sidmacib.dynamics.roots import bodies_of, roots_of
 from sidmacib.dynamics.shapes import Shapes
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Kind
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Integers, Kind
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.structure.shaking import TimeLoads
 
@@ -39,6 +40,8 @@ class History:
     (P,). ``energy``: kinetic and potential, J, (T,), from that at the start. ``pressed``: the
     deepest that solids reach into each other, m; ``thin``: the least width of a free piece, m.
     ``left``: the largest change of an impulse in the last sweep of a step, over the largest one.
+    ``roots``: pieces that are one body with another, (R,), and of their roots' strength the part
+    that was ``used`` at most, (R,), as long as nothing had fallen.
     """
 
     time: Floats
@@ -49,11 +52,18 @@ class History:
     pressed: float
     thin: float
     left: float
+    roots: Integers
+    used: Floats
 
     @property
     def stands(self) -> bool:
         """Whether nothing has fallen."""
         return self.first_fallen is None
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing has fallen, and no bond would have to carry more than its strength."""
+        return self.stands and bool((self.used <= 1.0).all())
 
     @property
     def first_fallen(self) -> int | None:
@@ -73,13 +83,10 @@ def history(
     """What happens to ``assembly`` under ``loads``; ``factor``: on the accelerations of the ground.
 
     ``until_it_falls``: no further; else for `AFTER`. ``progress`` is told how far it is.
-    `CapacityError` for bonds, condensed locks and blocks that may be crushed.
+    `CapacityError` for bonds but of locks, condensed locks and blocks that may be crushed.
     """
-    for face in assembly.faces:
-        if face.kind is not Kind.DRY:
-            raise CapacityError(
-                f"{WHAT}: {face.name} is not dry; leave out cohesion, tensile strength and locks"
-            )
+    if reason := assembly.without_stiffness:
+        raise CapacityError(f"{WHAT}: {reason}")
     if crushed_faces(assembly):
         raise CapacityError(f"{WHAT}: blocks are not crushed; leave out compressive_strength")
     motion = _Motion(assembly, loads)
@@ -99,11 +106,14 @@ def history(
     if not np.isfinite(kept[-1].centre).all():
         raise CapacityError(f"{WHAT}: the numbers are too large; check the loads")
     shifts, turns, energy = motion.positions(kept)
+    fallen = motion.fallen[motion.body]
     return History(
-        *(time, shifts, turns, motion.fallen, energy - energy[0]),
+        *(time, shifts, turns, fallen, energy - energy[0]),
         pressed=max(0.0, -float(motion.told[1])),
-        thin=float(motion.least[motion.shapes.bodies.mass > 0.0].min()),
+        thin=float(motion.least[motion.shapes.bodies.mass > 0.0].min(initial=math.inf)),
         left=float(motion.told[0]),
+        roots=motion.held,
+        used=motion.used,
     )
 
 
@@ -117,22 +127,30 @@ class _Motion:
 
     def __post_init__(self) -> None:
         assembly, loads = self.assembly, self.loads
-        self.shapes = Shapes.of(assembly)
+        self.body = bodies_of(assembly, WHAT)
+        self.shapes = Shapes.of(assembly, self.body)
         self.near = REACH * float(self.shapes.solids.size.mean())
-        self.built = np.array([piece.centre for piece in assembly.pieces])
+        self.built, body = self.shapes.centre, self.body
         count = len(self.built)
         turn = np.zeros((count, 4))
         turn[:, 0] = 1.0
         self.state = State(self.built.copy(), turn, loads.speed.copy(), np.zeros((count, 3)))
         self.unit = GRAVITY * loads.step
-        self.forces = np.ascontiguousarray((loads.permanent + loads.sudden)[:, :3])
-        self.levers = loads.beside.levers + loads.arms
+        forces = (loads.permanent + loads.sudden)[:, :3]
+        self.forces, self.levers = np.zeros((count, 3)), np.zeros((count, 3, 3))
+        self.arms = np.array([piece.centre for piece in assembly.pieces]) - self.built[body]
+        np.add.at(self.forces, body, forces)
+        np.add.at(self.levers, body, loads.beside.levers + loads.arms)
+        np.add.at(self.levers, body, self.arms[:, :, None] * forces[:, None, :])
+        self.roots, self.held = roots_of(assembly, body, self.built[body], self.shapes.part, forces)
+        self.used = np.zeros(len(self.held))
         self.fallen = np.full(count, math.inf)
         self.least = self.shapes.least
         self.pairs = Pairs(np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
         self.contacts = self._room(0)
         self.friction: dict[frozenset[int], float] = {}
-        for face in assembly.faces:  # the least of several of a pair
+        dry = (face for face in assembly.faces if face.kind is Kind.DRY)
+        for face in dry:  # the least of several of a pair
             pair = frozenset((face.below, face.above))
             known = self.friction.get(pair, math.inf)
             self.friction[pair] = min(known, face.material.friction)
@@ -153,8 +171,10 @@ class _Motion:
         energy = 0.5 * np.einsum("p,tpi->t", bodies.mass, speed**2)
         energy += 0.5 * np.einsum("tpi,pij,tpj->t", own, bodies.inertia[free], own)
         energy -= np.einsum("pi,tpi->t", self.forces, shift)
-        energy -= np.einsum("tpij,pji->t", R - np.eye(3), self.levers)
-        return shift, rotation.as_rotvec().reshape(shift.shape), energy
+        turned = R - np.eye(3)
+        energy -= np.einsum("tpij,pji->t", turned, self.levers)
+        shift = shift[:, self.body] + np.einsum("tpij,pj->tpi", turned[:, self.body], self.arms)
+        return shift, rotation.as_rotvec().reshape(centre.shape)[:, self.body], energy
 
     def note_fallen(self, time: float) -> None:
         """Keep the ``time`` (s) of pieces that have fallen."""
@@ -165,6 +185,7 @@ class _Motion:
     def run(self, ground: Floats) -> None:
         """One step for each of the accelerations of the ``ground`` (m/s2), (K, 3)."""
         shapes, loads, done = self.shapes, self.loads, 0
+        used = self.used if np.isinf(self.fallen).all() else self.used.copy()
         while done < len(ground):
             if self.told[2]:
                 self._find_pairs()
@@ -177,6 +198,7 @@ class _Motion:
                 *(shapes.solids, shapes.built, shapes.bodies, self.state, self.pairs),
                 *(self.contacts, acting, self.near),
                 *(self.start, self.told),
+                *(self.roots, used),
             )
             if made % 2:
                 self.contacts = self.contacts[::-1]
@@ -188,7 +210,9 @@ class _Motion:
         self.start = self.shapes.places(self.state.centre, turns)
         found = self.shapes.pairs(self.start, 3.0 * self.near)
         if self.loads.lost is not None:
-            found = found[(self.shapes.solids.piece[found] != self.loads.lost).all(axis=1)]
+            found = found[
+                (self.shapes.solids.piece[found] != self.body[self.loads.lost]).all(axis=1)
+            ]
         if np.array_equal(found, self.pairs.solids):
             return
         number = {pair: k for k, pair in enumerate(map(tuple, found.tolist()))}
@@ -196,7 +220,7 @@ class _Motion:
         to = np.array([number.get(pair, -1) for pair in known], np.int64)
         side = np.full(len(found), -1, np.int64)
         side[to[to >= 0]] = self.pairs.side[to >= 0]
-        pieces = map(frozenset, self.shapes.solids.piece[found].tolist())
+        pieces = map(frozenset, self.shapes.part[found].tolist())
         friction = [self.friction.get(each, self.other_friction) for each in pieces]
         old, new = self.contacts[0], self._room(len(found))
         if count := int(old.count[0]):

@@ -13,6 +13,7 @@ from numba import float64, typeof, types
 from sidmacib.dynamics.bodies import Bodies, State
 from sidmacib.dynamics.contacts import Contacts, Pairs, Places, Solids
 from sidmacib.dynamics.impulses import Acting, steps
+from sidmacib.dynamics.roots import Roots
 from sidmacib.mechanics import precompiled
 
 
@@ -30,7 +31,8 @@ def signatures() -> dict[Any, precompiled.Signature]:
     )
     acting = typeof(Acting(table, cube, table, 0.0, 0.0, 0.0))
     more = (types.UniTuple(contacts, 2), acting, float64, float64[:, ::1], float64[::1])
-    return {steps: (*map(typeof, given), *more)}
+    roots = typeof(Roots(whole, whole, row, cube, table, table, whole, cube, table))
+    return {steps: (*map(typeof, given), *more, roots, float64[::1])}
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 from sidmacib.dynamics.bodies import Bodies
 from sidmacib.dynamics.collide import CORNERS
 from sidmacib.dynamics.contacts import Places, Solids
+from sidmacib.dynamics.roots import inertia_of
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Integers, Piece
 from sidmacib.structure.blocks import Block, box, solids_of
@@ -130,15 +131,24 @@ def _sides(hull: ConvexHull) -> Convex:
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """All pieces of an assembly: ``solids``, as ``built`` about their centroids, and ``bodies``."""
+    """All pieces of an assembly: ``solids``, as ``built`` about bodies' centroids, and ``bodies``.
+
+    ``centre``: of each body, m, (P, 3). ``part``: the piece of each solid, (S,).
+    """
 
     solids: Solids
     built: Places
     bodies: Bodies
+    centre: Floats
+    part: Integers
 
     @classmethod
-    def of(cls, assembly: Assembly) -> "Shapes":
-        """Of all pieces; `CapacityError` for too many convex parts, or corners of a side."""
+    def of(cls, assembly: Assembly, body: Integers) -> "Shapes":
+        """Of all pieces; ``body``: the piece that each is one body with, (P,).
+
+        `CapacityError` for too many convex parts, or corners of a side.
+        """
+        centre, bodies = _bodies(assembly, body)
         parts = [
             (number, each)
             for number, piece in enumerate(assembly.pieces)
@@ -165,7 +175,7 @@ class Shapes:
                 bounds[name].append(bounds[name][-1] + count)
         of = {name: np.array(each, np.int64) for name, each in bounds.items()}
         solids = Solids(
-            np.array([number for number, _ in parts], np.int64),
+            body[[number for number, _ in parts]],
             of["vertices"],
             of["sides"],
             of["outlines"],
@@ -175,13 +185,14 @@ class Shapes:
             np.concatenate(ends),
             np.array([np.linalg.norm(np.ptp(each.places, axis=0)) for _, each in parts]),
         )
-        centres = [assembly.pieces[number].centre for number, _ in parts]
+        centres = [centre[body[number]] for number, _ in parts]
         built = Places(
             np.concatenate([e.places - c for (_, e), c in zip(parts, centres, strict=True)]),
             np.concatenate([each.normals for _, each in parts]),
             np.concatenate([each.directions for _, each in parts]),
         )
-        return cls(solids, built, _bodies(assembly))
+        of_solids = np.array([number for number, _ in parts], np.int64)
+        return cls(solids, built, bodies, centre, of_solids)
 
     @property
     def _owner(self) -> Integers:
@@ -190,14 +201,17 @@ class Shapes:
 
     @property
     def least(self) -> Floats:
-        """The least width of each piece between two planes along one of its sides, m, (P,)."""
+        """The least width of each body between two planes along one of its sides, m, (P,).
+
+        Infinite of pieces that are in the body of another.
+        """
         sides = np.repeat(self.solids.piece, np.diff(self.solids.sides))
         built, owner = self.built, self._owner
-        along = [
-            built.vertices[owner == number] @ built.normals[sides == number].T
-            for number in range(len(self.bodies.mass))
-        ]
-        return np.array([np.ptp(each, axis=0).min() for each in along])
+        found = np.full(len(self.bodies.mass), np.inf)
+        for number in np.unique(owner):
+            along = built.vertices[owner == number] @ built.normals[sides == number].T
+            found[number] = np.ptp(along, axis=0).min()
+        return found
 
     def places(self, centre: Floats, turn: Floats) -> Floats:
         """Vertices where centroids are (m), (P, 3), after turns, (P, 3, 3); m, (V, 3)."""
@@ -219,17 +233,19 @@ class Shapes:
         return np.ascontiguousarray(found[(one != other) & (free[one] | free[other])])
 
 
-def _bodies(assembly: Assembly) -> Bodies:
-    mass, inertia = [], []
-    for piece in assembly.pieces:
-        mass.append(0.0 if piece.fixed else piece.mass)
-        given = np.diag(piece.inertia) if isinstance(piece, Cuboid) else piece.inertia_tensor  # type: ignore[attr-defined]
-        inertia.append(given)
-    tensor = np.array(inertia)
-    inverse = np.array(
-        [
-            np.linalg.inv(each) if m else np.zeros((3, 3))
-            for each, m in zip(tensor, mass, strict=True)
-        ]
-    )
-    return Bodies(np.array(mass), tensor, inverse)
+def _bodies(assembly: Assembly, body: Integers) -> tuple[Floats, Bodies]:
+    """Centroids (m), (P, 3), and bodies; pieces that are in the body of another have no mass."""
+    centre = np.array([piece.centre for piece in assembly.pieces])
+    mass, tensor = np.zeros(len(body)), np.zeros((len(body), 3, 3))
+    inverse = np.zeros_like(tensor)
+    for number in np.unique(body).tolist():
+        of = np.flatnonzero(body == number)
+        masses = np.array([assembly.pieces[piece].mass for piece in of])
+        if masses.sum() > 0.0 and not assembly.pieces[number].fixed:
+            built, centre[number] = centre[of], masses @ centre[of] / masses.sum()
+            for piece, m, c in zip(of.tolist(), masses, built, strict=True):
+                arm = c - centre[number]  # Huygens and Steiner
+                tensor[number] += inertia_of(assembly, piece)
+                tensor[number] += m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+            mass[number], inverse[number] = masses.sum(), np.linalg.inv(tensor[number])
+    return centre, Bodies(mass, tensor, inverse)
