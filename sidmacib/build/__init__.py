@@ -7,7 +7,7 @@ the hollows that they lie in: so no solid leaves the shape that the models calcu
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,13 +18,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from sidmacib.build.clearance import NO_GAPS, Clearance, relieved
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.blocks import Block, box, grouped
-from sidmacib.structure.cutting import Plane, cut
 from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
 from sidmacib.structure.interfaces import NEAR, interfaces, mean_size
-from sidmacib.structure.locks import LockPart, Locks, Row, cut_rows
+from sidmacib.structure.locks import Locks, Row, cut_rows
 from sidmacib.structure.overlaps import common_volume, meeting_boxes, solid_of
 from sidmacib.structure.structure import Pair, rows_of
 from sidmacib.validation import refused
@@ -38,21 +38,6 @@ ALIKE = 1e-4  # over the volume: what blocks of one kind may differ by
 RIGHT = 1e-3  # cosine: directions at right angles
 TURNS = np.round(Rotation.create_group("O").as_matrix())  # those of a cube
 Found = tuple[list[Block], dict[Pair, Row], float]  # with the tolerance of interfaces
-
-
-@dataclass(frozen=True)
-class Clearance:
-    """Gaps between a lock and the other block, in m.
-
-    ``sides``: at its flanks and ends; two neighbouring locks give way by half of it each.
-    ``heads``: between its head and the bottom of the hollow; 0, as the joint bears there.
-    """
-
-    sides: float = 0.0
-    heads: float = 0.0
-
-
-NO_GAPS = Clearance()
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,10 +110,7 @@ def solids(
             for part in own_parts:
                 owner = owners[part.number % 2]
                 facing = [each for each in others if each.number == part.number]
-                ends = _ends(row, part, facing, gaps, side, own=owner == name)
-                lock: Block | None = part.solid
-                for point, outward in ends:
-                    lock = lock and cut(lock, point, outward)[0]
+                lock = relieved(row, part, facing, gaps, side, own=owner == name)
                 if lock is None:
                     words = f"lock {part.number + 1} of {below} and {above}: a clearance of "
                     raise ValueError(f"{words}{gaps.sides:g} m leaves nothing of it")
@@ -146,36 +128,6 @@ def solids(
         made.append(_united(number, block, every))
     require_apart(made, {block.name for block in blocks if block.fixed}, near)
     return tuple(made)
-
-
-def _ends(
-    row: Row,
-    part: LockPart,
-    facing: Sequence[LockPart],
-    gaps: Clearance,
-    side: float,
-    *,
-    own: bool,
-) -> Iterator[Plane]:
-    """The planes that a ``part`` of a lock ends at.
-
-    At the flanks to other locks, where the other block is beside it, and at its head. ``facing``:
-    the parts of the same lock in the other block, beyond the interface.
-    """
-    if gaps.sides:
-        low, high = row.edges[part.number : part.number + 2]
-        if part.number > 0:
-            yield row.middle + (low + gaps.sides / 2) * row.across, -row.across
-        if part.number < row.locks.count - 1:
-            yield row.middle + (high - gaps.sides / 2) * row.across, row.across
-        # In its own block a lock keeps what it grows from, and elsewhere runs straight up.
-        own_sides = [point for point, _ in part.beside] if own else []
-        for point, outward in (plane for each in ([part], facing)[own] for plane in each.beside):
-            if not any(np.array_equal(point, each) for each in own_sides):
-                yield point - gaps.sides * outward, outward
-    if gaps.heads and not own:
-        normal = side * row.interface.axes[0]
-        yield row.middle + (row.locks.height / 2 - gaps.heads) * normal, normal
 
 
 def _grown(part: Block, by: float) -> Floats:

@@ -51,9 +51,7 @@ class Detail:
 def detail(solid: Solid, pair: Pair, row: Row) -> Detail:
     """The profile of a ``row`` of locks between ``solid`` and the other of a ``pair``."""
     (other,) = pair - {solid.name}
-    out = row.interface.axes[0] * np.sign(
-        (row.middle - solid.places.mean(axis=0)) @ row.interface.axes[0]
-    )
+    out = row.interface.axes[0] * np.sign((row.middle - solid.centre) @ row.interface.axes[0])
     axes = np.array([row.across, out, np.cross(row.across, out)])
     half = row.locks.height / 2
     turned = solid.manifold.transform(np.column_stack([axes, -axes @ row.middle]))

@@ -227,6 +227,13 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     help="Gap at the heads of locks, m.  [default: 0: the joint bears there]",
 )
 @click.option(
+    "--radius",
+    type=quantity(GAP),
+    default=0.0,
+    help="Radius of the mill, m, which leaves corners of hollows round; edges of locks there are "
+    "rounded.  [default: 0]",
+)
+@click.option(
     "--alike",
     type=quantity(GAP),
     default=0.0,
@@ -254,6 +261,7 @@ def build(
     output: Path,
     clearance: float,
     head_clearance: float,
+    radius: float,
     alike: float,
     unit: str,
     drawings: str,
@@ -274,7 +282,8 @@ def build(
     overlap another.
     """
     with refused_in_one_line(), told_late() as tell, status_line() as progress:
-        from sidmacib.build import Clearance, blocks_of_file, joint_blocks, kinds, solids
+        from sidmacib.build import blocks_of_file, joint_blocks, kinds, solids
+        from sidmacib.build.clearance import Clearance
         from sidmacib.build.placing import order_of
         from sidmacib.command.build import (
             clearance_note,
@@ -301,7 +310,7 @@ def build(
             found = joint_blocks(joint)
         elif given:
             raise click.UsageError(f"{flag_of(given[0])}: is for a joint; {source} is a structure")
-        gaps = Clearance(clearance, head_clearance)
+        gaps = Clearance(clearance, head_clearance, radius)
         blocks, rows, near = found
         tell(f"cutting {len(blocks):,} blocks ...")
         made = solids(blocks, rows, gaps, near)

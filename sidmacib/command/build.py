@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 import numpy as np
 
-from sidmacib.build import Clearance, Kind, Solid, own_axes
+from sidmacib.build import Kind, Solid, own_axes
+from sidmacib.build.clearance import Clearance
 from sidmacib.build.files import UNITS, file_name, obj_text, step, stl, threemf
 from sidmacib.build.sheet import draw_sheet, spelled, write_sheet
 from sidmacib.command.answers import Row
@@ -105,6 +106,8 @@ def write_all(
     """Write files, drawings and ``rows`` into ``folder``; `click.UsageError` if that fails."""
     gaps = [f"{spelled(UNITS[unit] * gap)} {unit}" for gap in (clearance.sides, clearance.heads)]
     note = f"Clearance: {gaps[0]} at flanks and ends of locks, {gaps[1]} at their heads"
+    if clearance.radius:
+        note += f"; radius {spelled(UNITS[unit] * clearance.radius)} {unit}"
     note = note if locked else "No locks"
     with writing("--output", folder):
         for name in ("stl", "drawings"):

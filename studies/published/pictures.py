@@ -14,7 +14,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from sidmacib.build import Clearance, Solid, joint_blocks, solids
+from sidmacib.build import Solid, joint_blocks, solids
+from sidmacib.build.clearance import Clearance
 from sidmacib.build.views import view
 from sidmacib.drawing import BLACK, BLUE, ORANGE
 from sidmacib.joint import Joint
