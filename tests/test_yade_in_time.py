@@ -87,3 +87,26 @@ def test_the_command_asks_yade_too(tmp_path: Path) -> None:
     rows = [line for line in told.output.splitlines() if line.startswith("largest displacement")]
     own, yade = (float(row.split("(m)")[1].split()[0]) for row in rows)
     assert math.isclose(own, yade, rel_tol=0.02)
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize(("strength", "holds"), [(2e5, True), (2e4, False)])
+def test_bonds_of_locks_break_in_yade_and_hold_where_they_surely_do(
+    tmp_path: Path, strength: float, holds: bool
+) -> None:
+    bond = {"cohesion": strength, "tensile_strength": 4.5 * strength}
+    locks = {"between": ["ground", "block"], "count": 3, "height": 0.02, "row": [1, 0, 0]}
+    description = {
+        "blocks": {
+            "ground": {"low": [-0.3, 0, -0.3], "high": [0.3, 0.4, 0], "fixed": True},
+            "block": {"low": [-0.3, 0, 0], "high": [0.3, 0.4, 0.5]},
+        },
+        "interfaces": {"friction": 0.5},
+        "locks": [{**locks, "inner": bond, "dry": {"friction": 0.3}}],
+        "load": cycle(0.8, 0.3),
+    }
+    description["load"]["ground"]["pulse"]["duration"] = 0.3
+    problem = demands_of(description, in_time=True)[0].problem
+    _, found = engine_motion(problem, Numerics(), tmp_path, 300)
+    assert history(*problem).holds == holds
+    assert (np.linalg.norm(found[:, :, :3], axis=2).max() < 1e-4) == holds

@@ -77,16 +77,17 @@ class TimeAnswer:
         if not self.history.stands:
             return "No"
         pressed = self.history.pressed > PRESSED * self.history.thin
-        return "Open" if pressed or (self.root and self.root[1] > 1.0) else "Yes"
+        return "Open" if pressed or not self.history.holds else "Yes"
 
     @property
-    def root(self) -> tuple[str, float] | None:
-        """The lock whose bond uses most of its strength, and the part of it; None without any."""
-        if not len(self.history.used):
+    def bond(self) -> tuple[str, float, float] | None:
+        """The piece whose bond holds least surely, and `History.used` of it; None without any."""
+        used = self.history.used
+        if not used.size:
             return None
-        most = int(self.history.used.argmax())
+        most = int(used[1].argmax())
         name = self.problem.assembly.pieces[int(self.history.roots[most])].name
-        return name, float(self.history.used[most])
+        return name, float(used[0, most]), float(used[1, most])
 
     @property
     def words(self) -> str:
@@ -99,10 +100,12 @@ class TimeAnswer:
         if first is not None:
             name, time = self.problem.assembly.pieces[first].name, float(self.history.fallen[first])
             return f"{name} falls first, at {time:g} s ({FELL})"
-        if self.root and self.root[1] > 1.0:
+        if self.bond and not self.history.holds:
+            name, used, over = self.bond
+            more = f", more than {used / over:.3g}" if used < over else ""
             return (
-                f"the bond of {self.root[0]} would have to carry {four_digits(self.root[1])} times "
-                "its strength, and bonds do not fail in time"
+                f"the bond of {name} has to carry {four_digits(used)} of its strength{more}; bonds "
+                "do not fail in time"
             )
         if self.said == "Open":
             return f"blocks reach into each other by {self.history.pressed:.2g} m; halve load.step"
@@ -119,8 +122,8 @@ class TimeAnswer:
         doubt = f"; impulses are found to {100 * self.history.left:.2g} % only" if loose else ""
         pressed = f"blocks reach into each other by {self.history.pressed:.2g} m at most"
         roots = ""
-        if self.root:
-            used = f"{100 * self.root[1]:.3g} % of their strength"
+        if self.bond:
+            used = f"{self.history.used[0].max():.3g} of their strength"
             roots = f"what is bonded is one block, with bonds that carry at most {used}; "
         return f"rigid blocks, inelastic impacts; {roots}{pressed}{doubt}"
 
@@ -133,8 +136,8 @@ def falls_at(
     0 if it falls down to the inverse of that. ``known``: whether it stands under the motion itself.
 
     By doubling or halving until it falls or stands, and bisection in between. It may stand again at
-    larger factors, and fall at smaller ones that were not tried. A bond of a lock that would have
-    to carry more than its strength counts as a fall. ``tell`` is told what is found.
+    larger factors, and fall at smaller ones that were not tried. A bond of which it is not sure
+    that it holds counts as a fall. ``tell`` is told what is found.
     """
     assembly, loads = problem
     assert isinstance(loads, TimeLoads), "loads in time"

@@ -40,8 +40,9 @@ class History:
     (P,). ``energy``: kinetic and potential, J, (T,), from that at the start. ``pressed``: the
     deepest that solids reach into each other, m; ``thin``: the least width of a free piece, m.
     ``left``: the largest change of an impulse in the last sweep of a step, over the largest one.
-    ``roots``: pieces that are one body with another, (R,), and of their roots' strength the part
-    that was ``used`` at most, (R,), as long as nothing had fallen.
+    ``roots``: pieces that are one body with another, (R,), and what their bonds carried at most, as
+    long as nothing had fallen, over their strength and over what they surely carry: ``used``,
+    (2, R), see `sidmacib.dynamics.roots`.
     """
 
     time: Floats
@@ -62,8 +63,8 @@ class History:
 
     @property
     def holds(self) -> bool:
-        """Whether nothing has fallen, and no bond would have to carry more than its strength."""
-        return self.stands and bool((self.used <= 1.0).all())
+        """Whether nothing has fallen, and bonds surely carry what they have to."""
+        return self.stands and bool((self.used[1] <= 1.0).all())
 
     @property
     def first_fallen(self) -> int | None:
@@ -143,7 +144,7 @@ class _Motion:
         np.add.at(self.levers, body, loads.beside.levers + loads.arms)
         np.add.at(self.levers, body, self.arms[:, :, None] * forces[:, None, :])
         self.roots, self.held = roots_of(assembly, body, self.built[body], self.shapes.part, forces)
-        self.used = np.zeros(len(self.held))
+        self.used = np.zeros((2, len(self.held)))
         self.fallen = np.full(count, math.inf)
         self.least = self.shapes.least
         self.pairs = Pairs(np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))

@@ -32,7 +32,7 @@ def signatures() -> dict[Any, precompiled.Signature]:
     acting = typeof(Acting(table, cube, table, 0.0, 0.0, 0.0))
     more = (types.UniTuple(contacts, 2), acting, float64, float64[:, ::1], float64[::1])
     roots = typeof(Roots(whole, whole, row, cube, table, table, whole, cube, table))
-    return {steps: (*map(typeof, given), *more, roots, float64[::1])}
+    return {steps: (*map(typeof, given), *more, roots, float64[:, ::1])}
 
 
 if __name__ == "__main__":

@@ -4,6 +4,10 @@ Bonds do not break in time. What they carry is the mean over a step: with J and 
 contacts and the other forces on a lock, m its mass and v the velocity of its centroid, its root
 carries (m dv - J) / h - F, and a moment in the same way; blows are thus shared out over a step. As
 long as all bonds of a root are whole, their springs share it out over its nodes.
+
+Rigid blocks do not say how several contacts share a force. The largest part of the strength that
+six joints of locks used differed by up to 2.1 times when they were turned, mirrored or renamed. So
+up to `SURE` of it a bond of a piece that touches others holds; beyond, that is open.
 """
 
 # mypy: allow-untyped-defs
@@ -18,6 +22,7 @@ from sidmacib.mechanics.compilation import compiled
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_frames
 
+SURE = 0.4
 # `of`: the root of each solid, or -1. Of the pieces that roots hold: their `body`, `mass` (kg),
 # `inertia` (kg m2) and `arm` from the body's centroid (m), as built, and the `force` on them (N).
 # `start`: first node of each root, then their number; `share` (N, 3, 6): forces of nodes by that
@@ -116,9 +121,10 @@ def roots_of(
 
 @compiled
 def note_used(roots, pairs, contacts, state, frames, before, acting, ground, used):
-    """Raise ``used``, strength that roots have used so far, (R,), to that of this step.
+    """Raise ``used``, what roots have carried so far, (2, R), to that of this step.
 
-    ``before``: velocities before it, of centroids and of rotation.
+    Over their strength, and over what they surely carry. ``before``: velocities before it, of
+    centroids and of rotation.
     """
     count = len(roots.body)
     if not count:
@@ -140,7 +146,9 @@ def note_used(roots, pairs, contacts, state, frames, before, acting, ground, use
         _put_carried(
             roots, r, state, frames, before, acting, ground, places[r], impulses[r], carried
         )
-        used[r] = max(used[r], _most(roots, r, carried))
+        part = _most(roots, r, carried)
+        used[0, r] = max(used[0, r], part)
+        used[1, r] = max(used[1, r], part / SURE if impulses[r].any() else part)
 
 
 @compiled
