@@ -9,17 +9,25 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from conftest import DISTINCT, ROOT
+from conftest import DISTINCT, ROOT, run_study
 from processes import python
 from structures import CUBE, PUSH, WEIGHT, example, solved
 
-from analysis.report.structures import supports_verdict
-from analysis.summary.structures import summary
-from analysis.tables.structures import structures_table, write_supports
+from analysis.report.structures import structures_verdict, supports_verdict
+from analysis.summary.structures import measured_lines, summary
+from analysis.tables.structures import measured_table, structures_table, write_supports
 from workflow.case import StructureCase
 from workflow.cases import structure_cases, support_cases
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, SUPPORTS, read_table
+from workflow.results.tables import (
+    BLOCKS,
+    INTERFACES,
+    MEASURED_STRUCTURES,
+    STRUCTURES,
+    SUPPORTS,
+    read_table,
+    write_table,
+)
 from workflow.schema import with_changes
 
 TRILITH = example("trilith")
@@ -78,6 +86,58 @@ def test_files_are_found_beside_the_configuration(tmp_path: Path) -> None:
 def test_the_studies_of_structures_can_be_read(folder: str) -> None:
     study = read_study_file(ROOT / "studies" / folder / "config.yaml")
     assert {case.model for case in structure_cases(study)} >= {"static", "limit"}
+
+
+STACK = {
+    "blocks": {
+        "ground": {"low": [0, 0, -0.2], "high": [0.4, 0.4, 0], "fixed": True},
+        "block": {"low": [0, 0, 0], "high": [0.4, 0.4, 0.2], "density": 2000},
+    },
+    "load": PUSH,
+}
+
+
+def test_measured_loads_stand_beside_those_of_each_model_and_change_none(tmp_path: Path) -> None:
+    given = {
+        "source": "hand, with a spring balance",
+        "loads": [
+            {"newtons": "0.5 kN", "specimen": "no. 1"},
+            {"newtons": 400, "variant": "rough"},
+        ],
+        "scatter": 0.1,
+    }
+    rough = {"rough": {"interfaces": {"friction": 0.8}}}
+    config = study_of(description=STACK, variants=rough, measured=given)
+    plain = study_of(description=STACK, variants=rough)
+    known, alone = ([*structure_cases(read_study(each))] for each in (config, plain))
+    assert [each.digest() for each in known] == [each.digest() for each in alone]
+    section = read_study(config).structures["trilith"].measured
+    assert section is not None
+    table = measured_table(structures_table(solved(tmp_path, **config)), {"trilith": section})
+    write_table(MEASURED_STRUCTURES, table, tmp_path / "measured_structures.csv")
+    ratios = table.set_index(["number", "model"])["measured_over_load"]
+    weight = 2000 * 9.81 * 0.4 * 0.4 * 0.2
+    friction = float(known[0].subject.problem().assembly.faces[0].material.friction)
+    assert ratios[1, "static"] == pytest.approx(500 / (friction * weight), rel=2e-3)
+    assert ratios[2, "limit"] == pytest.approx(400 / (0.8 * weight), rel=2e-3)
+    first, second = measured_lines(table)
+    assert first[0] == "trilith, load, no. 1" and second[0] == "trilith, load, rough"
+    assert first[1].startswith("measured 500 N (scatter 10 %), ")
+    assert f"{ratios[1, 'static']:.3g} of static model" in first[1]
+    assert first[1].endswith("; hand, with a spring balance")
+    findings = structures_verdict(structures_table([]), measured=table)
+    assert findings[0]["text"] == f"{first[1]}."
+
+
+@pytest.mark.study
+def test_the_summary_and_the_report_of_a_run_tell_measured_loads(tmp_path: Path) -> None:
+    measured = {"source": "a test", "loads": [{"newtons": 400}]}
+    config = study_of(description=STACK, measured=measured)
+    run_study(config, tmp_path, "summary.txt", "report.html")
+    table = read_table(MEASURED_STRUCTURES, tmp_path / "tables/measured_structures.csv")
+    ((_, words),) = measured_lines(table)
+    assert f"trilith, load: {words}\n" in (tmp_path / "summary.txt").read_text()
+    assert words in (tmp_path / "report.html").read_text()
 
 
 SETTLING = example("settling")

@@ -16,7 +16,7 @@ from sidmacib.models import LAWS, MODELS, RESISTANCES, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE, structure_case_name
-from workflow.schema import CASES, LOAD, StructureSection, Study, load_cases
+from workflow.schema import CASES, LOAD, MeasuredCapacity, StructureSection, Study, load_cases
 from workflow.schema.sections import AssemblySection, NumericsSection, Pieces, changed
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
@@ -308,6 +308,23 @@ def structure_faults(study: Study) -> Iterator[str]:
             allowed = "one that is not, such as {acceleration: [1, 0, 0]}, is needed beside them"
             yield f"{key}.loads: all are supports that move; {allowed}"
         yield from dict.fromkeys(_unreadable(key, section))
+        if section.measured is not None:
+            yield from _measured_faults(key, section, section.measured.loads)
+
+
+def _measured_faults(
+    key: str, section: StructureSection, measured: Sequence[MeasuredCapacity]
+) -> Iterator[str]:
+    """Measured loads of no load or variant of a structure, or of one that is not in N."""
+    cases = {(load, variant): whole for load, variant, whole in section.described()}
+    loads, variants = (dict.fromkeys(each) for each in zip(*cases, strict=True))
+    for number, each in enumerate(measured, start=1):
+        place = f"{key}.measured.loads.{number}"
+        yield from _among(f"{place}.load", (each.load,), "loads", loads)
+        yield from _among(f"{place}.variant", (each.variant,), "variants", variants)
+        load = cases.get((each.load, each.variant), {}).get(LOAD)
+        if isinstance(load, Mapping) and not {"tilt", "support"}.isdisjoint(load):
+            yield f"{place}.load: {each.load} is a tilt or a support; it must be a load in N"
 
 
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:

@@ -124,7 +124,8 @@ def content(
         data["answer"] = answer_content(study, tables)
     if structures:
         names += dict.fromkeys(case.subject.structure for case in structures)
-        verdict += structures_verdict(tables["structures"], tables.get("verdicts"))
+        told = tables.get("verdicts"), tables.get("measured_structures")
+        verdict += structures_verdict(tables["structures"], *told)
         if "supports" in tables:
             verdict += supports_verdict(tables["supports"])
         shown |= with_room(tables)

@@ -10,6 +10,7 @@ from analysis.drawing import label_of
 from analysis.report import failed_cases, finding
 from analysis.summary.structures import (
     first_failure,
+    measured_lines,
     peak,
     structure_disagreement,
     verdict_lines,
@@ -90,11 +91,18 @@ def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
 
 
 def structures_verdict(
-    table: pd.DataFrame, verdicts: pd.DataFrame | None = None
+    table: pd.DataFrame,
+    verdicts: pd.DataFrame | None = None,
+    measured: pd.DataFrame | None = None,
 ) -> list[dict[str, str]]:
-    """Findings on the structures of a study; ``verdicts``: on the loads that are to be carried."""
+    """Findings on the structures of a study; ``verdicts``: on the loads that are to be carried.
+
+    ``measured``: loads beside computed ones.
+    """
     told = [] if verdicts is None else verdict_lines(verdicts)
     required = [finding(name, f"{words}.", "good" if yes else "bad") for name, words, yes in told]
+    tested = [] if measured is None else measured_lines(measured)
+    required += [finding(name, f"{words}.") for name, words in tested]
     return [*required, *_carried(table), *_without(table), *_agreement(table), *_limit(table)]
 
 

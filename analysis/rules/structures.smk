@@ -3,6 +3,11 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
 from workflow.cases import support_cases
 
+MEASURED_LOADS = {
+    name: section.measured.model_dump_json()
+    for name, section in STUDY.structures.items()
+    if section.measured is not None
+}
 DEMANDED = any(case.subject.demands for case in JOBS.structures.values())
 
 
@@ -12,6 +17,11 @@ rule structure_tables:
         records=records_of(StructureSubject.kind),
     output:
         **({"verdicts": shown("tables/verdicts.csv")} if DEMANDED else {}),
+        **(
+            {"measured_structures": shown("tables/measured_structures.csv")}
+            if MEASURED_LOADS
+            else {}
+        ),
         structures=shown("tables/structures.csv"),
         interfaces=shown("tables/interfaces.csv"),
         blocks=shown("tables/blocks.csv"),
@@ -19,6 +29,7 @@ rule structure_tables:
         below("logs/structure_tables.log"),
     params:
         cases=[*JOBS.structures],
+        measured=MEASURED_LOADS,
         code=code("analysis.tables.structures", StructureSubject.modules),
     message:
         "Tabulate the structures"
@@ -79,6 +90,8 @@ STRUCTURE_FILES = [*rules.structure_tables.output, *rules.structure_vtk.output]
 SUMMARY_INPUTS["structures"] = rules.structure_tables.output.structures
 if DEMANDED:
     SUMMARY_INPUTS["verdicts"] = rules.structure_tables.output.verdicts
+if MEASURED_LOADS:
+    SUMMARY_INPUTS["measured_structures"] = rules.structure_tables.output.measured_structures
 REPORT_INPUTS |= dict(rules.structure_tables.output.items())
 if MOVING_SUPPORTS:
     STRUCTURE_FILES += rules.supports.output

@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from analysis.drawing import label_of
 from analysis.summary import varied
 from sidmacib.answers.verdict import Verdict, on_all
 from sidmacib.engines.results import disagreement
@@ -19,11 +20,14 @@ def summary(
     structures: pd.DataFrame,
     supports: pd.DataFrame | None = None,
     verdicts: pd.DataFrame | None = None,
+    measured: pd.DataFrame | None = None,
 ) -> str:
-    """Verdicts, a block of lines for each structure, load and variant; then supports that move."""
+    """Verdicts, measured loads, lines for each structure, load and variant; supports that move."""
     lines = ["Structures: load capacity and its ratio to the weight, or the tilt angle"]
     if verdicts is not None:
         lines += [f"{name}: {words}" for name, words, _ in verdict_lines(verdicts)]
+    if measured is not None:
+        lines += [f"{name}: {words}" for name, words in measured_lines(measured)]
     for (structure, load, variant), rows in structures.groupby(
         ["structure", "load", "variant"], sort=False
     ):
@@ -56,6 +60,23 @@ def verdict_lines(verdicts: pd.DataFrame) -> Iterator[tuple[str, str, bool]]:
         ]
         whole = found[0] if len(found) == 1 else on_all(names, found)
         yield varied(structure, variant), str(whole), whole.passes
+
+
+def measured_lines(measured: pd.DataFrame) -> Iterator[tuple[str, str]]:
+    """Each measured load: what it is of, and what it is over the loads of models, in words."""
+    for (structure, _), rows in measured.groupby(["structure", "number"], sort=False):
+        first, known = rows.iloc[0], rows.dropna(subset=["measured_over_load"])
+        name = f"{structure}, {varied(first['load'], first['variant'])}"
+        scatter = "" if pd.isna(first["scatter"]) else f" (scatter {100 * first['scatter']:.3g} %)"
+        ratios = [
+            f"{row['measured_over_load']:.3g} of {label_of(row['model']).name}"
+            for row in known.to_dict("records")
+        ]
+        yield (
+            name if pd.isna(first["specimen"]) else f"{name}, {first['specimen']}",
+            f"measured {first['measured_load_N']:.5g} N{scatter}, "
+            f"{', '.join(ratios) or 'no model has a load'}; {first['source']}",
+        )
 
 
 def _of_supports(table: pd.DataFrame) -> Iterator[str]:

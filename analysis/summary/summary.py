@@ -309,7 +309,7 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     if "cases" in tables:
         texts.append(summary(results, tables, arguments["meshes"], arguments["ductile"]))
     if "structures" in tables:
-        others = tables.get("supports"), tables.get("verdicts")
+        others = map(tables.get, ("supports", "verdicts", "measured_structures"))
         texts.append(structures_summary(results, tables["structures"], *others))
     if "fragility" in tables:
         texts.append(earthquakes_summary(tables["fragility"], tables["earthquakes"]))

@@ -31,12 +31,14 @@ from workflow.results.structure_part import StructureRecord
 from workflow.results.tables import (
     BLOCKS,
     INTERFACES,
+    MEASURED_STRUCTURES,
     MOTION,
     STRUCTURES,
     SUPPORTS,
     VERDICTS,
     write_tables,
 )
+from workflow.schema import MeasuredStructure
 from workflow.step import Arguments, FileLists, Files, step
 
 TILTS = {
@@ -180,6 +182,30 @@ def verdicts_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
     )
 
 
+def measured_table(
+    structures: pd.DataFrame, measured: Mapping[str, MeasuredStructure]
+) -> pd.DataFrame:
+    """One row for each measured load and model; ``structures``: the table, ``measured``: by name.
+
+    A model without a result has an empty ratio.
+    """
+    rows: list[dict[str, Any]] = []
+    names = ["structure", "load", "variant"]
+    for structure, given in measured.items():
+        for number, each in enumerate(given.loads, start=1):
+            own = structures[structures[names].eq([structure, each.load, each.variant]).all(axis=1)]
+            beside = own.assign(
+                number=number,
+                specimen=each.specimen,
+                measured_load_N=each.newtons,
+                scatter=given.scatter,
+                measured_over_load=each.newtons / own["load_N"],
+                source=given.source,
+            )
+            rows += beside.to_dict("records")
+    return MEASURED_STRUCTURES.frame(rows)
+
+
 def interfaces_table(records: Iterable[StructureRecord]) -> pd.DataFrame:
     """One row for each interface of each case that gives forces."""
     return INTERFACES.frame(
@@ -218,6 +244,12 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     }
     if "verdicts" in outputs:
         tables["verdicts"] = verdicts_table(records)
+    if "measured_structures" in outputs:
+        measured = {
+            name: MeasuredStructure.model_validate_json(text)
+            for name, text in arguments["measured"].items()
+        }
+        tables["measured_structures"] = measured_table(tables["structures"], measured)
     write_tables(tables, outputs)
 
 

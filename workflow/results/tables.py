@@ -198,6 +198,15 @@ VERDICTS = Table(
     ("structure", "load", "variant"),
     ("factor", "first_failure_factor", "peak_factor", "limit_factor"),
 )
+MEASURED_STRUCTURES = Table(
+    "measured_structures",
+    (
+        *("structure", "number", "load", "variant", "specimen", "measured_load_N", "scatter"),
+        *("model", "counts", "load_N", "measured_over_load", "source"),
+    ),
+    ("structure", "number", "model"),
+    ("scatter", "measured_over_load"),
+)
 INTERFACES = Table(
     "interfaces",
     (

@@ -174,6 +174,26 @@ class MeasuredSection(Section):
     loads: tuple[MeasuredLoad, ...]
 
 
+class MeasuredCapacity(Section):
+    """A measured load of a structure, and by name the load and the variant that it is of."""
+
+    newtons: _Force
+    load: Text = LOAD
+    variant: Text = REFERENCE
+    specimen: Words | None = None
+
+
+class MeasuredStructure(Section):
+    """Measured loads of a structure, which are compared with computed ones and change none.
+
+    ``source``: where they stand. ``scatter``: their coefficient of variation, if it is known.
+    """
+
+    source: Words
+    loads: Annotated[tuple[MeasuredCapacity, ...], Some]
+    scatter: Share | None = None
+
+
 _Description = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": FILE})]
 _Changes = Annotated[dict[Text, Any], WithJsonSchema({"type": "object"})]
 _Load = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": f"{FILE}#/$defs/LoadSection"})]
@@ -185,7 +205,7 @@ class StructureSection(Section):
     ``file``: beside the configuration. ``models``: which of the study's models and engines analyse
     it, by default all that can. ``loads``: by name, in place of the load, or the load cases, in the
     description. ``variants``: by name, changes to the description, where null leaves a key out;
-    they run beside the reference variant.
+    they run beside the reference variant. ``measured``: loads of tests beside the computed ones.
     """
 
     file: Annotated[str, Some] | None = None
@@ -193,6 +213,7 @@ class StructureSection(Section):
     models: tuple[str, ...] | None = None
     loads: dict[Name, _Load] = Field(default_factory=dict)
     variants: dict[Name, _Changes] = Field(default_factory=dict)
+    measured: MeasuredStructure | None = None
 
     def described(self) -> Iterator[tuple[str, str, dict[str, object]]]:
         """Load, variant and description of each case, whatever its model.
