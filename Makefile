@@ -14,7 +14,7 @@
 # make fuzz    change inputs at random, FUZZ=100000; each must give an answer or a one-line error
 # make same    compare tables and figures byte for byte: on one core, under four kernels, PYTHONS=other bin/python
 # make attack  search for joints whose safe load exceeds their capacity, EVALUATIONS=1800 per start
-# make measured  compare loads that walls and dry contacts carried in laboratories with what is computed
+# make measured  compare loads of walls and dry contacts in laboratories with computed ones; ENGINE=yade: a wall in YADE too
 # make structures  compare structures of blocks with published results; PEERS=1: with compas_cra as well
 # make scaling measure time, files and memory of large studies, CASES=100000
 # make docs    build the pages as a site: build/docs/index.html
@@ -41,6 +41,7 @@ CASES ?= 100000
 PYTHON ?= python3
 PYTHONS ?=
 PEERS ?=
+ENGINE ?=
 EVALUATIONS ?= 1800
 # Exported, so that the shell receives the values unchanged, whatever characters they contain.
 export PYTHON CONFIG RESULTS CASE FORMAT MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
@@ -115,11 +116,12 @@ attack: .venv/study.ready
 	@export OPENBLAS_NUM_THREADS=1; exec $(BIN)/python -m studies.attack.search --evaluations "$$EVALUATIONS"
 
 measured: .venv/study.ready
+	$(if $(filter-out yade,$(ENGINE)),$(error ENGINE: $(ENGINE) is not allowed; it must be yade))
 	@export OPENBLAS_NUM_THREADS=1; results="$${RESULTS:-results-measured}"; \
 	$(BIN)/python -m studies.measured.walls --results "$$results" && \
 	$(BIN)/python -m studies.measured.contacts --results "$$results" && \
 	$(BIN)/python -m studies.measured.specimens "$$results/tables/specimens.csv" && \
-	exec $(BIN)/python -m studies.pages "$$results" docs/measured.md
+	$(if $(ENGINE),$(BIN)/python -m studies.measured.yade --results "$$results" && )exec $(BIN)/python -m studies.pages "$$results" docs/measured.md
 
 structures: .venv/study.ready $(if $(PEERS),.venv/peers.ready)
 	@export OPENBLAS_NUM_THREADS=1; results="$${RESULTS:-results-structures}"; \

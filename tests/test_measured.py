@@ -3,15 +3,19 @@
 import math
 import re
 
+import numpy as np
+import pandas as pd
 import pytest
 from conftest import ROOT
 from scipy.optimize import minimize
 
+from sidmacib.engines import YADE
 from sidmacib.mechanics.equilibrium import is_dry
 from sidmacib.mechanics.static import static_peak
 from sidmacib.scene.page import VALIDATED
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import read_yaml
+from studies.measured import yade
 from studies.measured.contacts import description, given, pushes
 from studies.measured.walls import HERE, Campaign, campaigns, computed, cracked, rows
 from workflow.schema import with_changes
@@ -35,6 +39,19 @@ def test_a_brick_wall_carries_out_of_its_plane_what_was_measured() -> None:
     assert row["limit_N"] == pytest.approx(2 * 0.11 / 1.495 * weight, rel=2e-3)
     assert row["static_N"] < row["limit_N"]
     assert row["measured_over_static"] == pytest.approx(1.021, abs=2e-3)
+
+
+@pytest.mark.engine
+def test_yade_pulls_a_wall_as_the_static_model_does_at_the_same_nodes() -> None:
+    table = pd.DataFrame([*yade.rows(yade.AT_NODES, 1), *yade.rows(YADE.name, 1, 0.006)])
+    static, moved = (table[table["model"].eq(name)] for name in (yade.AT_NODES, YADE.name))
+    at = moved["displacement_m"].clip(upper=static["displacement_m"].max())
+    known = np.interp(at, static["displacement_m"], static["load_N"])
+    assert np.abs(moved["load_N"] - known).max() < 0.02 * known.max()
+    assert moved["load_N"].max() == pytest.approx(38.1e3, rel=5e-3)
+    measured = pd.read_csv(HERE / "curves.csv")
+    labels = yade.drawn(table, measured).axes[0].get_legend_handles_labels()[1]
+    assert labels == ["measured", "static model, pressure at nodes, 468 nodes", "YADE, 468 nodes"]
 
 
 @pytest.mark.study

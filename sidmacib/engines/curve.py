@@ -22,9 +22,10 @@ def engine_curve(
 ) -> tuple[Floats, Floats]:
     """Displacement (m) and load (N) of a structure that YADE moves as far as ``furthest`` (m).
 
-    As in `sidmacib.capacity_curve`, for an acceleration: the mean displacement by mass along it.
-    Its files are left in ``folder``. `EngineError` if YADE ends without a result, for another load,
-    and where blocks meet on the way.
+    As in `sidmacib.capacity_curve`, for an acceleration: the mean displacement by mass along it; or
+    for a force through the centroid of a block: that of this point. Its files are left in
+    ``folder``. `EngineError` if YADE ends without a result, for another load, and where blocks meet
+    on the way.
     """
     loads = problem.loads
     other = EngineNoAnswerError("yade: a capacity curve needs an acceleration as the load")

@@ -126,14 +126,14 @@ def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]
         raise ValueError(f"{some_of(loose, 3)}: must be linked to a fixed block")
 
 
-def refined(assembly: Assembly, divided: int = 2) -> Assembly:
+def refined(assembly: Assembly, divided: int = 2, *, pressed: bool = True) -> Assembly:
     """The structure on cells of half the size, or ``divided`` otherwise, for an answer.
 
-    Pressure on dry faces is integrated, rather than concentrated at the nodes as in the engines.
+    Pressure on dry faces is integrated; unless ``pressed`` it is at the nodes, as in the engines.
     Of the structure of a file, not of a refined one: without a mesh, its cells are the interfaces.
     """
     faces = tuple(face for face in assembly.faces if isinstance(face, Polygon))
-    nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided, pressed=True)
+    nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided, pressed=pressed)
     return replace(assembly, nodes=nodes, mesh=assembly.mesh / divided)
 
 
