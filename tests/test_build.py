@@ -29,7 +29,7 @@ from sidmacib.build import (
     own_axes,
     solids,
 )
-from sidmacib.build.clearance import CHORDS, NO_GAPS, Clearance
+from sidmacib.build.clearance import NO_GAPS, Clearance
 from sidmacib.build.files import obj_text, step, stl, threemf
 from sidmacib.build.placing import order_of
 from sidmacib.build.sheet import draw_sheet, spelled
@@ -151,23 +151,6 @@ def test_the_gap_is_the_clearance(source) -> None:
 def test_a_lock_in_a_pocket_of_a_larger_block_has_the_gap_all_around() -> None:
     base, block = made(blocks_and_rows(LARGER_BASE), Clearance(1e-3, 2e-3))
     assert base.manifold.min_gap(block.manifold, 1.0) == pytest.approx(1e-3, rel=1e-6)
-
-
-def test_edges_of_locks_in_corners_of_hollows_are_rounded() -> None:
-    """Both locks of the block go into the base, each with four corners; the base's runs through."""
-    radius, gap = 5e-3, 1e-3
-    base, block = made(blocks_and_rows(LARGER_BASE), Clearance(gap))
-    same, rounded = made(blocks_and_rows(LARGER_BASE), Clearance(gap, radius=radius))
-    step = math.pi / 2.0 / CHORDS
-    corner = radius**2 - CHORDS * radius**2 / 2.0 * math.sin(step)
-    assert same.volume == pytest.approx(base.volume, rel=1e-9)
-    assert block.volume - rounded.volume == pytest.approx(8 * corner * 0.01, rel=1e-3)
-    assert trimesh.Trimesh(rounded.places, rounded.triangles, process=False).is_volume
-    with pytest.raises(ValueError, match=r"radius: 0\.2 is not allowed"):
-        made(blocks_and_rows(LARGER_BASE), Clearance(gap, radius=0.2))
-    through = joint_blocks(Joint(5))  # no corners
-    for one, other in zip(made(through), made(through, Clearance(radius=radius)), strict=True):
-        assert one.volume == other.volume
 
 
 @pytest.mark.parametrize(

@@ -1,27 +1,19 @@
 """The model in time against closed forms: Newmark's block, Housner's block, flight, collapse."""
 
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
-from command_runner import run
-from conftest import ROOT
 from scipy.integrate import solve_ivp
 from scipy.spatial import ConvexHull
 
-import sidmacib
-from sidmacib.answers.in_time import TimeAnswer, falls_at
+from sidmacib.answers.in_time import TimeAnswer
 from sidmacib.dynamics.motion import History
-from sidmacib.dynamics.roots import SURE
 from sidmacib.dynamics.shapes import convex_parts
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.structure.files.structure_file import assembly_of, demands_of, structure_of
-from sidmacib.structure.shaking import Accelerogram, accelerogram
+from sidmacib.structure.files.structure_file import assembly_of, demands_of
 
 GROUND = {"low": [-3, -3, -0.5], "high": [3, 3, 0], "fixed": True}
 FLAT = {"low": [0, 0, 0], "high": [0.6, 0.3, 0.2]}
@@ -333,170 +325,3 @@ def test_a_drum_rests_and_tips_about_its_edge_where_statics_says(sides: int) -> 
 def test_a_side_of_too_many_corners_is_refused() -> None:
     with pytest.raises(CapacityError, match="drum has a side of more than 64 corners"):
         moved({"ground": GROUND, "drum": drum(80)}, {"duration": 0.5}, 0.5)
-
-
-def test_records_are_read_by_columns_and_as_at2(tmp_path: Path) -> None:
-    time = np.arange(0.0, 2.0, 0.01)
-    values = 0.4 * np.sin(5.0 * time) * np.exp(-time)
-    plain, peer = tmp_path / "record.csv", tmp_path / "record.AT2"
-    rows = [f"{t:.4f}, {a * GRAVITY:.9g}" for t, a in zip(time, values, strict=True)]
-    plain.write_text("time (s), acceleration (m/s2)\n" + "\n".join(rows))
-    lines = [" ".join(f"{each:.9g}" for each in values[k : k + 5]) for k in range(0, len(time), 5)]
-    head = "PEER\nmade up\nACCELERATION IN UNITS OF G\nNPTS= 200, DT= .0100 SEC\n"
-    peer.write_text(head + "\n".join(lines))
-    one, other = (accelerogram(path, None, 1.0, (1.0, 0.0, 0.0)) for path in (plain, peer))
-    at = np.linspace(0.0, 2.5, 301)
-    assert one.velocity(at) == pytest.approx(other.velocity(at), abs=1e-7)
-    assert isinstance(one, Accelerogram)
-    speed = np.gradient(one.velocity(at)[:, 0], at)
-    assert speed[50] == pytest.approx(
-        0.4 * GRAVITY * np.sin(5 * at[50]) * np.exp(-at[50]), abs=0.02
-    )
-    (tmp_path / "bad.csv").write_text("0 1\n0 2\n")
-    with pytest.raises(ValueError, match=r"bad\.csv: times must grow"):
-        accelerogram(tmp_path / "bad.csv", None, 1.0, (1.0, 0.0, 0.0))
-
-
-def test_the_factor_at_which_a_block_falls_is_that_of_its_pulse() -> None:
-    """A block that rocks falls under a pulse of 0.3 s at a factor between two that were run."""
-    blocks = {"ground": GROUND, "block": SLENDER}
-    load = {"ground": pulse(0.05 * GRAVITY, 0.3), "duration": 3}
-    problem = demands_of(described(blocks, load, 3.0), in_time=True)[0].problem
-    factor = falls_at(problem)
-    assert factor is not None and 2.0 < factor < 4.0
-    strong = {**load, "ground": pulse(0.05 * factor * GRAVITY, 0.3)}
-    weak = {**load, "ground": pulse(0.05 * 0.98 * factor * GRAVITY, 0.3)}
-    assert not moved(blocks, strong, 3.0).history.stands
-    assert moved(blocks, weak, 3.0).history.stands
-
-
-def test_the_command_says_whether_it_stands_and_writes_the_history(tmp_path: Path) -> None:
-    history, picture = tmp_path / "history.csv", tmp_path / "drift.svg"
-    example = str(ROOT / "studies/time/arch.yaml")
-    found = run("assembly", example, "--history", str(history), "--picture", str(picture))
-    assert found.exit_code == 0, found.output
-    assert "Yes: it stands for 3 s; voussoir1 moves most" in found.output
-    head, *rows = history.read_text().splitlines()
-    assert head == "time_s,block,x_m,y_m,z_m,rx_rad,ry_rad,rz_rad"
-    assert len(rows) == 301 * 5
-    assert "<svg" in picture.read_text()
-    given = yaml.safe_load(Path(example).read_text())
-    given["load"]["ground"]["scale"] = 2.0
-    path = tmp_path / "arch.yaml"
-    path.write_text(yaml.safe_dump(given))
-    found = run("assembly", str(path), "--format", "json")
-    assert found.exit_code == 1
-    assert json.loads(found.stdout)["verdict"] == "no"
-
-
-@pytest.mark.parametrize(
-    ("changes", "why"),
-    [
-        ({"load": {"duration": 1, "lost": "block"}}, "a block that is fixed"),
-        ({"load": {"duration": 1, "force": {"block": "block"}}}, "force"),
-        ({"load": {"duration": 1, "ground": {"direction": [1, 0, 0]}}}, "either pulse or record"),
-        ({"load": {"duration": "1m"}}, "a time"),
-        ({"load": {"blow": {"block": "block", "velocity": [1, 0, 0]}}}, "duration: missing"),
-    ],
-)
-def test_what_cannot_act_in_time_is_refused_by_name(changes: dict[str, Any], why: str) -> None:
-    with pytest.raises(ValueError, match=why):
-        demands_of(
-            {**described({"ground": GROUND, "block": FLAT}, {}, 0.5), **changes}, in_time=True
-        )
-
-
-# --- bonds, which do not fail --------------------------------------------------------------------
-def bonded(load: dict[str, Any], **more: Any) -> TimeAnswer:
-    given = described({"ground": GROUND, "block": SLENDER}, load, 0.5) | more
-    return TimeAnswer.of(demands_of(given, in_time=True)[0].problem)
-
-
-@pytest.mark.parametrize("level", [0.2, 1.0])
-def test_the_bond_of_a_block_that_is_shaken_carries_its_inertia(level: float) -> None:
-    """By the beam's formula at its root: M / W - N / A, and V / A."""
-    b, d, H = 0.2, 0.1, 1.0
-    mass = 2000.0 * b * d * H
-    strengths = {"friction": 0.5, "bond_friction": 0.0}
-    load = {"ground": pulse(level * GRAVITY, 0.1), "duration": 0.1}
-    V, N = mass * level * GRAVITY, mass * GRAVITY
-    torn = 6.0 * V * H / 2.0 / (b * d**2) - N / (b * d)
-    for strong, expected in ((1e9, V / (b * d) / 5e4), (5e5, torn / 5e5)):
-        law = strengths | {"cohesion": 5e4 if strong > 1e6 else 1e9, "tensile_strength": strong}
-        answer = bonded(load, interfaces=law)
-        assert answer.history.used[0] == pytest.approx([expected], rel=1e-6)
-        assert answer.said == ("Yes" if expected <= 1.0 else "Open")
-        assert answer.history.stands
-        assert answer.history.holds == (expected <= 1.0)
-    assert ("bond of block has to carry" in answer.words) == (expected > 1.0)
-
-
-@pytest.mark.parametrize("level", [0.1, 0.3])
-def test_the_root_of_the_one_lock_that_bears_carries_the_inertia(level: float) -> None:
-    side, height = 0.4, 0.2
-    blocks = {
-        "ground": {"low": [-0.3, 0, -0.3], "high": [0.3, side, 0], "fixed": True},
-        "block": {"low": [-0.3, 0, 0], "high": [0.3, side, height]},
-    }
-    inner = {"cohesion": 8e4, "tensile_strength": 1e9}
-    locks = {"between": ["ground", "block"], "count": 3, "height": 0.02, "row": [1, 0, 0]}
-    locks |= {"first": "block", "inner": inner, "dry": {"friction": 0}}
-    load = {"ground": pulse(level * GRAVITY, 0.1), "duration": 0.1}
-    given = described(blocks, load, 0.0) | {"locks": [locks]}
-    answer = TimeAnswer.of(demands_of(given, in_time=True)[0].problem)
-    pieces = answer.problem.assembly.pieces
-    own = [pieces[int(piece)].mass for piece in answer.history.roots]
-    # Block and locks are all pushed by the ground's lock, which the two others hold between them.
-    V = sum(piece.mass for piece in pieces if not piece.fixed) * level * GRAVITY
-    of_block, of_ground, other = answer.history.used[0] * (8e4 * 0.2 * side)
-    assert answer.history.used[1] == pytest.approx(answer.history.used[0] / SURE)
-    assert of_ground == pytest.approx(V, rel=1e-4)
-    assert of_block - other == pytest.approx(
-        V - (own[1] + 2.0 * own[2]) * level * GRAVITY, rel=0.02
-    )
-    assert answer.said == "Yes"
-    assert np.abs(answer.history.shift).max() < 1e-8
-
-
-def test_chains_of_bonds_are_refused_and_other_doors_say_where_time_is_for() -> None:
-    blocks = {"ground": GROUND, "block": FLAT}
-    given = described(blocks, {"duration": 1}, 0.5)
-    given["interfaces"] |= {"cohesion": 1e5, "tensile_strength": 1e5}
-    blocks["other"] = {**FLAT, "low": [-0.3, -0.15, 0.2], "high": [0.3, 0.15, 0.4]}
-    with pytest.raises(CapacityError, match="in time: ground-block is bonded, and so are others"):
-        TimeAnswer.of(demands_of(given, in_time=True)[0].problem)
-    del blocks["other"]
-    given["interfaces"] = {"friction": 0.5, "compressive_strength": 1e6}
-    with pytest.raises(CapacityError, match="in time: blocks are not crushed"):
-        TimeAnswer.of(demands_of(given, in_time=True)[0].problem)
-    for door in (structure_of, sidmacib.ask):
-        with pytest.raises(ValueError, match="and earthquakes of a study"):
-            door(described(blocks, {"duration": 1}, 0.5))
-
-
-def test_a_motion_that_goes_on_is_noted_and_collapse_needs_one(tmp_path: Path) -> None:
-    path = tmp_path / "block.yaml"
-    load = {"ground": pulse(1.0, 5.0), "duration": 1}
-    path.write_text(yaml.safe_dump(described({"ground": GROUND, "block": FLAT}, load, 0.5)))
-    assert "load.duration: the ground moves on for 4 s more" in run("assembly", str(path)).output
-    still = described({"ground": GROUND, "block": FLAT}, {"duration": 1}, 0.5)
-    path.write_text(yaml.safe_dump(still))
-    assert "--collapse: needs load.ground" in run("assembly", str(path), "--collapse").output
-    path.write_text(yaml.safe_dump({**still, "load": {"acceleration": [1, 0, 0]}}))
-    words = "--collapse: needs a load with a duration"
-    assert words in run("assembly", str(path), "--collapse").output
-
-
-@pytest.mark.parametrize("option", [("--history", "h.csv"), ("--collapse",)])
-def test_what_needs_a_duration_is_refused_beside_load_cases_and_the_reserve(
-    tmp_path: Path, option: tuple[str, ...]
-) -> None:
-    given = described({"ground": GROUND, "block": FLAT}, {"acceleration": [1, 0, 0]}, 0.5)
-    path = tmp_path / "it.yaml"
-    cases = {"load_cases": {"a": {"acceleration": [1, 0, 0], "newtons": 1}}}
-    for each in (given, {k: v for k, v in given.items() if k != "load"} | cases):
-        path.write_text(yaml.safe_dump(each))
-        for more in ((), ("--reserve",)):
-            found = run("assembly", str(path), *option, *more)
-            assert found.exit_code == 2
-            assert f"{option[0]}: needs a load with a duration" in found.output
