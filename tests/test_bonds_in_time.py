@@ -35,7 +35,7 @@ def test_the_bond_of_a_block_that_is_shaken_carries_its_inertia(level: float) ->
         assert answer.said == ("Yes" if expected <= 1.0 else "Open")
         assert answer.history.stands
         assert answer.history.holds == (expected <= 1.0)
-    assert ("bond of block has to carry" in answer.words) == (expected > 1.0)
+    assert ("bond of block may break" in answer.words) == (expected > 1.0)
 
 
 @pytest.mark.parametrize("level", [0.1, 0.3])
@@ -79,3 +79,16 @@ def test_chains_of_bonds_are_refused_and_other_doors_say_where_time_is_for() -> 
     for door in (structure_of, sidmacib.ask):
         with pytest.raises(ValueError, match="and earthquakes of a study"):
             door(described(blocks, {"duration": 1}, 0.5))
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"blow": {"block": "block", "velocity": [5, 0, 0]}},
+        {"force": {"block": "block", "at": [0.05, 0.1, 1.0], "direction": [1, 0, 0]}, "newtons": 1},
+    ],
+)
+def test_what_acts_on_a_bonded_block_beside_its_weight_is_refused(load: dict[str, Any]) -> None:
+    law = {"cohesion": 1e6, "tensile_strength": 1e6, "friction": 0.5}
+    with pytest.raises(CapacityError, match="block is bonded; with bonds no blow may act"):
+        bonded({"duration": 0.1, **load}, interfaces=law)

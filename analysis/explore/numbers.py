@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 from sidmacib.quantities import is_number, number_in
 
 PARTS = ("interfaces", "special", "locks", "load", "load_cases", "permanent", "blocks")
-LEFT_OUT = ("scale", "fixed_below", "within", "positions")  # of files and places, not of structures
+# Of files, names and places, not of structures.
+LEFT_OUT = ("scale", "fixed_below", "within", "positions", "file", "mesh", "material", "block")
 MOST = 24  # of sliders
 WITH_UNIT = re.compile(r"([-+.\de]*\d\.?)\s*([^\W\d].*)")
 STEPS = 50  # from nothing to what the file has, rounded to one digit

@@ -118,6 +118,21 @@ def history(
     )
 
 
+def _require_known_bonds(assembly: Assembly, loads: TimeLoads, body: Integers) -> None:
+    """`CapacityError`, with its name, for a bonded piece on which more than its weight acts."""
+    held = body != np.arange(len(body))
+    acts = loads.speed.any() & np.ones_like(held)
+    acts |= (loads.beside.levers + loads.arms).any(axis=(1, 2)) | loads.sudden.any(axis=1)
+    if loads.lost is not None:
+        acts |= body == loads.lost
+    for piece in np.flatnonzero(held & acts)[:1].tolist():
+        name = assembly.pieces[piece].name
+        raise CapacityError(
+            f"{WHAT}: {name} is bonded; with bonds no blow may act, no support be lost that they "
+            "hold on to, and no force on what they hold"
+        )
+
+
 @dataclass(eq=False)
 class _Motion:
     """The state of all pieces, and the contacts that are known."""
@@ -129,6 +144,7 @@ class _Motion:
     def __post_init__(self) -> None:
         assembly, loads = self.assembly, self.loads
         self.body = bodies_of(assembly, WHAT)
+        _require_known_bonds(assembly, loads, self.body)
         self.shapes = Shapes.of(assembly, self.body)
         self.near = REACH * float(self.shapes.solids.size.mean())
         self.built, body = self.shapes.centre, self.body

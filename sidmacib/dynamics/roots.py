@@ -51,7 +51,7 @@ def bodies_of(assembly: Assembly, what: str) -> Integers:
         if face.kind is Kind.INNER and body[face.below] != body[face.above]:
             raise CapacityError(
                 f"{what}: {face.name} is bonded, and so are others of its blocks; leave out "
-                "cohesion and tensile strength, but of locks"
+                "cohesion and tensile strength, except those of locks"
             )
     return body
 
@@ -170,16 +170,25 @@ def _put_carried(roots, r, state, frames, before, acting, ground, place, impulse
     """Fill in the force (N) and moment (N m) of a root on its piece, in directions as built."""
     b = roots.body[r]
     R, spun, d, force = frames.turn[b], np.zeros(3), np.zeros(3), np.zeros(3)
+    w, own, spins = state.spin[b], np.zeros(3), np.zeros(3)
+    along = square = 0.0
     for i in range(3):
-        spun[i] = state.spin[b, i] - before[1][b, i]
+        spun[i] = w[i] - before[1][b, i]
         d[i] = place[i] - state.centre[b, i]
+        along, square = along + w[i] * d[i], square + w[i] * w[i]
+        for j in range(3):
+            own[i] += R[j, i] * w[j]
+    for i in range(3):
+        for k in range(3):
+            spins[i] += roots.inertia[r, i, k] * own[k]
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         gained = state.speed[b, i] - before[0][b, i] + spun[j] * d[k] - spun[k] * d[j]
-        gained += acting.h * ground[i]
+        gained += acting.h * (ground[i] + along * w[i] - square * d[i])
         force[i] = (roots.mass[r] * gained - impulse[0, i]) / acting.h - roots.force[r, i]
     for i in range(3):
-        carried[i], turned = 0.0, 0.0
+        j, k = (i + 1) % 3, (i + 2) % 3
+        carried[i], turned = 0.0, acting.h * (own[j] * spins[k] - own[k] * spins[j])
         for j in range(3):
             carried[i] += R[j, i] * force[j]
             turned -= R[j, i] * impulse[1, j]

@@ -62,7 +62,7 @@ class EarthquakePart:
             rotation_degrees=rounded(degrees * answer.largest_turn.size),
             last_displacement_m=rounded(answer.last_shift.size),
             last_rotation_degrees=rounded(degrees * answer.last_turn.size),
-            note=answer.note,
+            note=answer.words if answer.said == "Open" else answer.note,
         )
 
 
