@@ -134,7 +134,7 @@ def falls_at(
 ) -> float | None:
     """The factor on the ground motion at which the structure falls; None up to `STEEPEST`.
 
-    0 if it falls down to the inverse of that. ``known``: whether it stands under the motion itself.
+    0 if it falls down to the inverse of that. ``known``: whether it holds under the motion itself.
 
     By doubling or halving until it falls or stands, and bisection in between. It may stand again at
     larger factors, and fall at smaller ones that were not tried. A bond of which it is not sure
@@ -143,23 +143,24 @@ def falls_at(
     assembly, loads = problem
     assert isinstance(loads, TimeLoads), "loads in time"
 
-    def stands(factor: float) -> bool:
-        found = history(assembly, loads, factor, until_it_falls=True).holds
-        tell(f"factor {factor:.4g}: {'stands' if found else 'falls'}")
-        return found
+    def holds(factor: float) -> bool:
+        found = history(assembly, loads, factor, until_it_falls=True)
+        told = "a bond may break" if found.stands else "falls"
+        tell(f"factor {factor:.4g}: {'stands' if found.holds else told}")
+        return found.holds
 
     low = high = 1.0
-    if stands(1.0) if known is None else known:
-        while high == low or stands(high):
+    if holds(1.0) if known is None else known:
+        while high == low or holds(high):
             low, high = high, 2.0 * high
             if high > STEEPEST:
                 return None
     else:
-        while high == low or not stands(low):
+        while high == low or not holds(low):
             low, high = 0.5 * low, low
             if low < 1.0 / STEEPEST:
                 return 0.0
     while high - low > PRECISION * high:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if stands(middle) else (low, middle)
+        low, high = (middle, high) if holds(middle) else (low, middle)
     return high

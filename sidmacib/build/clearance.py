@@ -54,13 +54,18 @@ def relieved(
     normal = side * row.interface.axes[0]
     if gaps.heads and not own:
         ends.append((row.middle + (row.locks.height / 2 - gaps.heads) * normal, normal))
-    lock: Block | None = part.solid
-    for point, outward in ends:
-        lock = lock and cut(lock, point, outward)[0]
+    lock = _within(part.solid, ends)
     if lock is not None and gaps.radius and not own:
-        for point, outward in list(_chords(row, lock, walls, gaps.radius)):
-            lock = lock and cut(lock, point, outward)[0]
+        lock = _within(lock, [*_chords(row, lock, walls, gaps.radius)])
     return lock
+
+
+def _within(block: Block, planes: Sequence[Plane]) -> Block | None:
+    """What is left of a ``block`` inside all ``planes``; None if nothing is."""
+    left: Block | None = block
+    for point, outward in planes:
+        left = left and cut(left, point, outward)[0]
+    return left
 
 
 def _walls(
@@ -107,10 +112,8 @@ def _chords(row: Row, lock: Block, walls: Sequence[Plane], radius: float) -> Ite
         step = angle / CHORDS
         for k in range(CHORDS):
             share = (k + 0.5) * step
-            away = (math.sin(angle - share) * sides[0] + math.sin(share) * sides[1]) / math.sin(
-                angle
-            )
-            outward = away @ plan
+            both = math.sin(angle - share) * sides[0] + math.sin(share) * sides[1]
+            outward = both @ plan / math.sin(angle)
             yield row.middle + middle @ plan + radius * math.cos(step / 2) * outward, outward
 
 

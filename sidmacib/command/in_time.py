@@ -59,8 +59,8 @@ def collapse_row(answer: TimeAnswer, tell: Tell) -> Row:
         note = f"it stands up to {STEEPEST:g}"
     elif not factor:
         note = f"it falls down to 1 / {STEEPEST:g}"
-    roots = ", or a bond may fail" if answer.bond else ""
-    name = f"factor on the ground motion at which it falls{roots}"
+    bonds = ", or a bond may break" if answer.bond else ""
+    name = f"factor on the ground motion at which it falls{bonds}"
     return {"what": name, "value": factor or None, "block": "", "time (s)": None, "note": note}
 
 

@@ -187,19 +187,22 @@ def steps(solids, built, bodies, state, pairs, contacts, acting, near, start, to
     )
     before, now = contacts
     velocities = np.empty_like(state.speed), np.empty_like(state.spin)
+    bonded = len(roots.body) > 0
     for step in range(len(acting.ground)):
         advance(bodies, state, 0.5 * acting.h)
         put_frames(bodies, state, frames)
         put_solids(solids, built, state.centre, frames.turn, places)
         find_contacts(solids, places, pairs, near, before, now)
         work = _prepare(bodies, state, frames, now, acting)
-        velocities[0][:], velocities[1][:] = state.speed, state.spin
+        if bonded:
+            velocities[0][:], velocities[1][:] = state.speed, state.spin
         accelerate(
             bodies, state, frames, acting.forces, acting.levers, acting.ground[step], acting.h
         )
         left = _solve(bodies, state, now, work, acting.unit)
-        ground = acting.ground[step]
-        note_used(roots, pairs, now, state, frames, velocities, acting, ground, used)
+        if bonded:
+            ground = acting.ground[step]
+            note_used(roots, pairs, now, state, frames, velocities, acting, ground, used)
         before, now = now, before
         advance(bodies, state, 0.5 * acting.h)
         told[0] = max(told[0], left)

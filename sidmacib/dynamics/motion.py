@@ -84,7 +84,7 @@ def history(
     """What happens to ``assembly`` under ``loads``; ``factor``: on the accelerations of the ground.
 
     ``until_it_falls``: no further; else for `AFTER`. ``progress`` is told how far it is.
-    `CapacityError` for bonds but of locks, condensed locks and blocks that may be crushed.
+    `CapacityError` for chains of bonds, condensed locks and blocks that may be crushed.
     """
     if reason := assembly.without_stiffness:
         raise CapacityError(f"{WHAT}: {reason}")

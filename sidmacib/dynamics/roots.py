@@ -17,12 +17,12 @@ from collections import namedtuple
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Integers, Kind
+from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.compilation import compiled
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_frames
 
-SURE = 0.4
+SURE = 0.4  # of the strength
 # `of`: the root of each solid, or -1. Of the pieces that roots hold: their `body`, `mass` (kg),
 # `inertia` (kg m2) and `arm` from the body's centroid (m), as built, and the `force` on them (N).
 # `start`: first node of each root, then their number; `share` (N, 3, 6): forces of nodes by that
@@ -62,12 +62,11 @@ def _held_by(assembly: Assembly, piece: int, other: int) -> bool:
     return two.fixed or (two.mass, -other) > (one.mass, -piece)
 
 
-def inertia_of(assembly: Assembly, piece: int) -> Floats:
-    """The tensor of inertia of a piece about its centroid, in kg m2, (3, 3)."""
-    each = assembly.pieces[piece]
-    if isinstance(each, Cuboid):
-        return np.diag(each.inertia)
-    return np.asarray(each.inertia_tensor)  # type: ignore[attr-defined]
+def inertia_of(piece: Piece) -> Floats:
+    """The tensor of inertia of a ``piece`` about its centroid, in kg m2, (3, 3)."""
+    if isinstance(piece, Cuboid):
+        return np.diag(piece.inertia)
+    return np.asarray(piece.inertia_tensor)  # type: ignore[attr-defined]
 
 
 def roots_of(
@@ -84,6 +83,8 @@ def roots_of(
     law, frames, nodes = ContactLaw.of(assembly), face_frames(assembly), assembly.nodes
     inner = np.array([face.kind is Kind.INNER for face in assembly.faces], bool)
     ends = np.array([(face.below, face.above) for face in assembly.faces])
+    springs = np.stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness], axis=1)
+    strengths = np.stack([law.shear_strength, law.tensile_strength, law.bond_friction], axis=1)
     share, held, start = [np.zeros((0, 3, 6))], [np.zeros((0, 3))], [0]
     for piece in pieces.tolist():
         here = np.flatnonzero(inner[nodes.face] & (ends[nodes.face] == piece).any(axis=1))
@@ -93,17 +94,15 @@ def roots_of(
         none = np.zeros_like(x)
         cross = np.array([[none, z, -y], [-z, none, x], [y, -x, none]]).transpose(2, 0, 1)
         moved = axes @ np.concatenate([np.broadcast_to(np.eye(3), cross.shape), cross], axis=2)
-        springs = np.stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness], axis=1)
         pulled = springs[here][:, :, None] * moved
         stiffness = np.einsum("nki,nkj->ij", moved, pulled)
         size = np.sqrt(stiffness.diagonal())
         inverse = np.linalg.inv(stiffness / np.outer(size, size)) / np.outer(size, size)
         share.append(pulled @ inverse)
-        strengths = law.shear_strength, law.tensile_strength, law.bond_friction
-        held.append(np.stack(strengths, axis=1)[here])
+        held.append(strengths[here])
         start.append(start[-1] + len(here))
     masses = np.array([assembly.pieces[piece].mass for piece in pieces.tolist()])
-    tensors = [inertia_of(assembly, piece) for piece in pieces.tolist()]
+    tensors = [inertia_of(assembly.pieces[piece]) for piece in pieces.tolist()]
     centroids = np.array([piece.centre for piece in assembly.pieces])
     roots = Roots(
         of=number[of_solid],
@@ -127,8 +126,6 @@ def note_used(roots, pairs, contacts, state, frames, before, acting, ground, use
     centroids and of rotation.
     """
     count = len(roots.body)
-    if not count:
-        return
     impulses, places = np.zeros((count, 2, 3)), np.zeros((count, 3))
     for r in range(count):
         b = roots.body[r]

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from sidmacib.dynamics.contacts import Places, Solids
 from sidmacib.dynamics.roots import inertia_of
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Floats, Integers, Piece
-from sidmacib.structure.blocks import Block, box, solids_of
+from sidmacib.structure.blocks import Block, Compound, box, solids_of
 from sidmacib.structure.overlaps import meeting_boxes, solid_of
 
 FLAT = 1e-6  # over a block's size: what is thinner is not there
@@ -239,13 +239,12 @@ def _bodies(assembly: Assembly, body: Integers) -> tuple[Floats, Bodies]:
     mass, tensor = np.zeros(len(body)), np.zeros((len(body), 3, 3))
     inverse = np.zeros_like(tensor)
     for number in np.unique(body).tolist():
-        of = np.flatnonzero(body == number)
-        masses = np.array([assembly.pieces[piece].mass for piece in of])
-        if masses.sum() > 0.0 and not assembly.pieces[number].fixed:
-            built, centre[number] = centre[of], masses @ centre[of] / masses.sum()
-            for piece, m, c in zip(of.tolist(), masses, built, strict=True):
-                arm = c - centre[number]  # Huygens and Steiner
-                tensor[number] += inertia_of(assembly, piece)
-                tensor[number] += m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-            mass[number], inverse[number] = masses.sum(), np.linalg.inv(tensor[number])
+        whole = assembly.pieces[number]
+        if whole.fixed or not whole.mass:
+            continue
+        if (body == number).sum() > 1:
+            pieces = (assembly.pieces[piece] for piece in np.flatnonzero(body == number))
+            whole = Compound(whole.name, tuple(chain.from_iterable(map(solids_of, pieces))))
+        centre[number], mass[number], tensor[number] = whole.centre, whole.mass, inertia_of(whole)
+        inverse[number] = np.linalg.inv(tensor[number])
     return centre, Bodies(mass, tensor, inverse)

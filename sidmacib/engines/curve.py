@@ -28,7 +28,8 @@ def engine_curve(
     on the way.
     """
     loads = problem.loads
-    other = EngineNoAnswerError("yade: a capacity curve needs an acceleration as the load")
+    needs = "an acceleration as the load, or a force through the centroid of a block"
+    other = EngineNoAnswerError(f"yade: a capacity curve needs {needs}")
     loads.raised.require_newtons(other)
     if loads.variable[:, 3:].any() or not loads.variable.any():
         raise other

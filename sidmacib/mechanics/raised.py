@@ -1,7 +1,7 @@
 """What is raised until an assembly fails: a load in N, or the angle by which gravity turns."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -68,8 +68,8 @@ class Tilt(Load):
     fixed; the variable ones are how they begin to.
     """
 
-    per_unit: float
-    axis: tuple[float, float, float]
+    per_unit: float = field()  # both must be given: those of a load are no defaults
+    axis: tuple[float, float, float] = field()
     name, unit, sign, acts, last = "tilt", "degrees", "°", "weight, tilted by", "last equilibrium"
     most, endless = math.pi, NEVER_FALLS
 
