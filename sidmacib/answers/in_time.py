@@ -105,7 +105,8 @@ class TimeAnswer:
             name, used = self.bond
             return (
                 f"the bond of {name} may break: it has to carry {four_digits(used)} of its "
-                f"strength, and beside contacts only {SURE:g} is sure; this model breaks no bonds"
+                f"strength, and where contacts share the load only {SURE:g} is sure; this model "
+                "breaks no bonds"
             )
         if self.said == "Open":
             return f"blocks reach into each other by {self.history.pressed:.2g} m; halve load.step"
