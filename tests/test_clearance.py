@@ -1,9 +1,12 @@
 """What locks lose so that they go into hollows with corners that a mill leaves round."""
 
 import math
+from pathlib import Path
 
 import pytest
 import trimesh
+import yaml
+from command_runner import run
 from test_build import LARGER_BASE, made
 
 from sidmacib.build import joint_blocks
@@ -27,3 +30,14 @@ def test_edges_of_locks_in_corners_of_hollows_are_rounded() -> None:
     through = joint_blocks(Joint(5))  # no corners
     for one, other in zip(made(through), made(through, Clearance(radius=radius)), strict=True):
         assert one.volume == other.volume
+
+
+def test_a_radius_that_changes_nothing_is_told(tmp_path: Path) -> None:
+    words = "Note: --radius changes nothing: no edge of a lock lies in a corner of a hollow"
+    to = "--radius", "5mm", "-o", str(tmp_path / "out")
+    found = run("build", "-n", "3", *to)
+    assert (found.exit_code, found.stderr.splitlines()) == (0, [words])
+    assert "radius" not in (tmp_path / "out/drawings/A.svg").read_text()
+    (tmp_path / "base.yaml").write_text(yaml.safe_dump(LARGER_BASE))
+    assert run("build", str(tmp_path / "base.yaml"), *to).stderr == ""
+    assert "radius 5 mm" in (tmp_path / "out/drawings/A.svg").read_text()

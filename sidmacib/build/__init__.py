@@ -45,7 +45,7 @@ class Solid:
     """A block as it is made: a closed surface of triangles.
 
     ``number``: from 1; ``places`` in m, (V, 3); ``triangles``: vertices of each, anticlockwise seen
-    from outside, (T, 3); ``density`` in kg/m3.
+    from outside, (T, 3); ``density`` in kg/m3; ``rounded``: whether a mill's radius changed it.
     """
 
     number: int
@@ -53,6 +53,7 @@ class Solid:
     places: Floats
     triangles: Integers
     density: float
+    rounded: bool = False
 
     @cached_property
     def manifold(self) -> manifold3d.Manifold:
@@ -95,6 +96,7 @@ def solids(
     left, parts = cut_rows(blocks, rows.values())
     locks: dict[str, list[Floats]] = {block.name: [] for block in blocks}
     growth = {block.name: GROWN * block.size for block in blocks}
+    rounded: set[str] = set()
     for row, (in_below, in_above) in zip(rows.values(), parts, strict=True):
         below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
         second = above if row.locks.first == below else below
@@ -110,7 +112,9 @@ def solids(
             for part in own_parts:
                 owner = owners[part.number % 2]
                 facing = [each for each in others if each.number == part.number]
-                lock = relieved(row, part, facing, gaps, side, own=owner == name)
+                lock, changed = relieved(row, part, facing, gaps, side, own=owner == name)
+                if changed:
+                    rounded.add(owner)
                 if lock is None:
                     words = f"lock {part.number + 1} of {below} and {above}: a clearance of "
                     raise ValueError(f"{words}{gaps.sides:g} m leaves nothing of it")
@@ -125,7 +129,8 @@ def solids(
         parts_of = [_grown(part, growth[block.name]) for part in left[block.name]]
         locked = any(block.name in pair for pair in rows)
         every = [*parts_of, *locks[block.name]] if locked else []
-        made.append(_united(number, block, every))
+        solid = _united(number, block, every)
+        made.append(replace(solid, rounded=block.name in rounded))
     require_apart(made, {block.name for block in blocks if block.fixed}, near)
     return tuple(made)
 

@@ -42,8 +42,8 @@ def relieved(
     side: float,
     *,
     own: bool,
-) -> Block | None:
-    """The solid of a ``part`` of a lock, less ``gaps``; None if nothing is left.
+) -> tuple[Block | None, bool]:
+    """The solid of a ``part`` of a lock, less ``gaps``, None if nothing is left; whether rounded.
 
     ``facing``: the parts of the same lock in the other block, beyond the interface. ``side``: -1 of
     the block below the interface, 1 of that above. ``own``: whether this block is the lock's own.
@@ -55,9 +55,10 @@ def relieved(
     if gaps.heads and not own:
         ends.append((row.middle + (row.locks.height / 2 - gaps.heads) * normal, normal))
     lock = _within(part.solid, ends)
-    if lock is not None and gaps.radius and not own:
-        lock = _within(lock, [*_chords(row, lock, walls, gaps.radius)])
-    return lock
+    if lock is None or own or not gaps.radius:
+        return lock, False
+    chords = [*_chords(row, lock, walls, gaps.radius)]
+    return _within(lock, chords), bool(chords)
 
 
 def _within(block: Block, planes: Sequence[Plane]) -> Block | None:

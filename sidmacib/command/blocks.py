@@ -288,6 +288,7 @@ def build(
         from sidmacib.command.build import (
             clearance_note,
             overlap_note,
+            radius_note,
             stuck_note,
             table,
             write_all,
@@ -314,7 +315,8 @@ def build(
         blocks, rows, near = found
         tell(f"cutting {len(blocks):,} blocks ...")
         made = solids(blocks, rows, gaps, near)
-        for note in (clearance_note(rows.values(), clearance), overlap_note(blocks)):
+        clear = clearance_note(rows.values(), clearance)
+        for note in (clear, radius_note(made, radius), overlap_note(blocks)):
             if note:
                 click.echo(f"Note: {note}", err=True)
         tell("order of placing, kinds and drawings ...")

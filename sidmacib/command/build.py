@@ -79,6 +79,13 @@ def overlap_note(blocks: Sequence[Block]) -> str:
     return f"{words}; the files keep that" if words else ""
 
 
+def radius_note(made: Iterable[Solid], radius: float) -> str:
+    """That the ``radius`` (m) of a mill changes no lock, or nothing."""
+    if not radius or any(each.rounded for each in made):
+        return ""
+    return "--radius changes nothing: no edge of a lock lies in a corner of a hollow"
+
+
 def clearance_note(rows: Iterable[LockRow], sides: float) -> str:
     """What a clearance at the ``sides`` (m) of locks takes of them, or nothing."""
     widths = [float(np.diff(row.edges).min()) for row in rows if row.locks.count > 1]
@@ -106,7 +113,7 @@ def write_all(
     """Write files, drawings and ``rows`` into ``folder``; `click.UsageError` if that fails."""
     gaps = [f"{spelled(UNITS[unit] * gap)} {unit}" for gap in (clearance.sides, clearance.heads)]
     note = f"Clearance: {gaps[0]} at flanks and ends of locks, {gaps[1]} at their heads"
-    if clearance.radius:
+    if any(each.rounded for each in made):
         note += f"; radius {spelled(UNITS[unit] * clearance.radius)} {unit}"
     note = note if locked else "No locks"
     with writing("--output", folder):
