@@ -41,7 +41,7 @@ def test_checks_have_a_formula_with_numbers_a_result_and_what_follows(notes: Pat
     head, *rows = checks((notes / "cube.html").read_text())
     assert head == ["what", "formula, with numbers", "result", "check"]
     assert rows[:3] == [
-        ["Weight and permanent loads", "Gd = &gamma;G Gk = 0.9 · 19620 N", "17658 N", ""],
+        ["Weight", "Gd = &gamma;G Gk = 0.9 · 19620 N", "17658 N", ""],
         ["Load to be carried", "Qd = &gamma;Q Qk = 1.5 · 4000 N", "6000 N", ""],
         ["Friction and strengths", "Xd = Xk / &gamma;M = Xk / 1.2", "laws in section 1", ""],
     ]

@@ -20,8 +20,7 @@ FRICTION = 0.5
 
 def carried(description: Any, factors: PartialFactors) -> tuple[float, float]:
     """What limit analysis finds, and what is to be carried, in N."""
-    (demand,) = demands_of(description)
-    demand = demand.factored(factors)
+    (demand,) = demands_of(description, factors=factors)
     assert demand.newtons
     return limit_load(*demand.problem, friction=True).load, demand.newtons
 
@@ -35,6 +34,24 @@ def test_permanent_loads_have_the_factor_of_weight() -> None:
     pressed = {**SLIDES, "permanent": [{"force": {**DOWN["force"], "newtons": "5kN"}}]}
     found, _ = carried(pressed, PartialFactors(gamma_g=1.35))
     assert found == pytest.approx(1.35 * (WEIGHT + 5e3) * FRICTION, rel=1e-6)
+
+
+def test_a_permanent_load_may_have_a_factor_of_its_own(tmp_path: Path) -> None:
+    force = {**DOWN["force"], "newtons": "5kN"}
+    pressed = {**SLIDES, "permanent": [{"force": {**force, "gamma_g": 0.5}}, {"force": force}]}
+    for gamma in (1.0, 1.35):
+        found, _ = carried(pressed, PartialFactors(gamma_g=gamma))
+        expected = (gamma * (WEIGHT + 5e3) + 0.5 * 5e3) * FRICTION
+        assert found == pytest.approx(expected, rel=1e-6)
+    note = tmp_path / "note.html"
+    given = "--gamma-g", "1.35", "--note", str(note)
+    told = assembly(tmp_path / "cube.yaml", pressed, *given).stderr
+    assert "Note: permanent.1.force: is multiplied by its own gamma_g, 0.5" in told
+    (row,) = (line for line in note.read_text().splitlines() if "Other permanent loads" in line)
+    assert f"{1.35 * 5e3 + 0.5 * 5e3:g} N" in row
+    force["gamma_g"] = 0
+    with pytest.raises(ValueError, match=r"permanent\.2\.force\.gamma_g: 0 is not allowed"):
+        demands_of(pressed)
 
 
 def test_strengths_and_friction_are_divided_and_stiffness_is_not() -> None:

@@ -124,12 +124,12 @@ def ask(
     description: Any = structure
     if isinstance(structure, str | Path):
         folder, description = Path(structure).parent, description_in(Path(structure))
-    demands = demands_of(description, folder)
+    demands = demands_of(description, folder, factors=factors)
     if not demands[0].raises or isinstance(demands[0].problem.loads, SupportMotion):
         raise ValueError(
             "load: nothing is raised; multilock assembly answers without a load and for supports"
         )
-    found = {demand.case or "load": Solved.of(demand.factored(factors)) for demand in demands}
+    found = {demand.case or "load": Solved.of(demand) for demand in demands}
     verdicts = [each.verdict for each in found.values()]
     told = [each for each in verdicts if each is not None]
     if len(told) < len(found):

@@ -163,8 +163,9 @@ def passes(wanted: Wanted) -> bool:
             loads = "load", "load_cases"
             description = {key: each for key, each in description.items() if key not in loads}
         wanted = replace(wanted, description=description)
-    found = demands_of(wanted.description, wanted.file.parent, in_time=True)
-    demands = [demand.factored(wanted.factors) for demand in found]
+    demands = demands_of(
+        wanted.description, wanted.file.parent, in_time=True, factors=wanted.factors
+    )
     first = demands[0]
     if wanted.engines and not isinstance(first.problem.loads, SupportMotion | TimeLoads):
         raise click.UsageError("--model: is for a support that moves, or ground that does")

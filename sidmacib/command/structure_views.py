@@ -29,7 +29,7 @@ from sidmacib.scene.forces import arrows_of, load_of, total
 from sidmacib.scene.page import rendered
 from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.files.structure_file import Demand
-from sidmacib.structure.loads import free_weight
+from sidmacib.structure.loads import beside_of, free_weight
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -323,8 +323,10 @@ def _design_values(demand: Demand) -> Iterator[Cells]:
     if not (factors := demand.factors):
         return
     assert demand.newtons is not None
+    loads = demand.problem.loads
+    beside = beside_of(loads).size
     of_actions = (
-        ("Weight and permanent loads", "G", factors.gamma_g, demand.problem.loads.scale),
+        ("Weight", "G", factors.gamma_g, loads.scale - beside),
         ("Load to be carried", "Q", factors.gamma_q, demand.newtons),
     )
     for name, symbol, factor, size in of_actions:
@@ -333,6 +335,14 @@ def _design_values(demand: Demand) -> Iterator[Cells]:
         )
         numbers = f"{factor:g} · {four_digits(size / factor)} N"
         yield name, _formula(f"<i>{words}{numbers}"), in_asked_words(f"{four_digits(size)} N"), ""
+    if beside:
+        words = "&Sigma; &gamma;<sub>G</sub> |<i>G</i><sub>k</sub>|, or by a load's own gamma_g"
+        yield (
+            "Other permanent loads",
+            Formula(words),
+            in_asked_words(f"{four_digits(beside)} N"),
+            "",
+        )
     divided = "<i>X</i><sub>d</sub> = <i>X</i><sub>k</sub> / &gamma;<sub>M</sub> = "
     of_laws = _formula(f"{divided}<i>X</i><sub>k</sub> / {factors.gamma_m:g}")
     yield "Friction and strengths", of_laws, "laws in section 1", ""

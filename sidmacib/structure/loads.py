@@ -45,6 +45,10 @@ class Permanent:
         found.levers[number] = arms.T @ forces
         return found
 
+    def times(self, factor: float) -> "Permanent":
+        """That many times these loads."""
+        return Permanent(factor * self.wrenches, factor * self.levers)
+
     def __add__(self, other: "Permanent") -> "Permanent":
         return Permanent(self.wrenches + other.wrenches, self.levers + other.levers)
 

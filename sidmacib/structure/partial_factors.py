@@ -11,7 +11,7 @@ from sidmacib.mechanics.assembly import Face, FaceMaterial
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number
-from sidmacib.structure.loads import Permanent, StructureLoads
+from sidmacib.structure.loads import StructureLoads
 from sidmacib.validation import refused, require_kinds
 
 RESISTS = (
@@ -49,12 +49,11 @@ class PartialFactors:
         """
         assembly, loads = problem
         assert isinstance(loads, StructureLoads), "loads of a structure"
-        beside = Permanent(*(self.gamma_g * each for each in vars(loads.beside).values()))
         loads = replace(
             loads,
             permanent=self.gamma_g * loads.permanent,
             scale=self.gamma_g * loads.scale,
-            beside=beside,
+            beside=loads.beside.times(self.gamma_g),
         )
         faces = tuple(map(self._of_face, assembly.faces))
         return Problem(replace(assembly, faces=faces), loads)

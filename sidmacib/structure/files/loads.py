@@ -35,6 +35,11 @@ STEEP = 15.0  # coefficient of earth pressure: a larger one is doubted
 OUTSIDE = 0.01  # of a block, over its size: a force that is further away is doubted
 
 
+class _Permanent(Keys):
+    gamma_g: Annotated[float, Number(above=0, at_most=10)] | None = None
+    """its own partial factor, in place of `--gamma-g`; it counts without that too"""
+
+
 class ForceSection(Keys):
     """A force on one block."""
 
@@ -45,7 +50,7 @@ class ForceSection(Keys):
     direction: Way
 
 
-class PermanentForceSection(ForceSection):
+class PermanentForceSection(_Permanent, ForceSection):
     """A force on one block that always acts."""
 
     newtons: Newtons
@@ -60,7 +65,7 @@ def _patterns(value: Any) -> Any:
     return (value,) if isinstance(value, str) else value
 
 
-class _OnSides(Keys):
+class _OnSides(_Permanent):
     blocks: Annotated[
         tuple[Text, ...],
         Some,
@@ -194,13 +199,18 @@ def permanent_on(
     given: Sequence[PermanentSection],
     near: float = NEAR,
     key: str = "permanent",
+    gamma_g: float = 1.0,
 ) -> Permanent:
-    """All loads of a list ``given`` at ``key``; ValueError that names one."""
+    """All loads of a list ``given`` at ``key``; ValueError that names one.
+
+    Those with a factor of their own over ``gamma_g``, which all are to be multiplied by.
+    """
     whole = Permanent.none(len(assembly.pieces))
     for number, each in enumerate(given, start=1):
         (kind,) = each.model_fields_set
+        load = getattr(each, kind)
         try:
-            whole += getattr(each, kind).on(assembly, near)
+            whole += load.on(assembly, near).times((load.gamma_g or gamma_g) / gamma_g)
         except ValueError as error:
             words = f"{'.' if str(error).startswith('block: ') else ': '}{error}"
             raise ValueError(f"{key}.{number}.{kind}{words}") from None
@@ -346,6 +356,9 @@ def load_warnings(assembly: Assembly, pushed: Mapping[str, Any]) -> Iterator[str
     """One line each for what looks wrong in loads, by their keys."""
     named = {piece.name: piece for piece in assembly.pieces if isinstance(piece, Block)}
     for key, each in pushed.items():
+        for kind in each.model_fields_set if isinstance(each, PermanentSection) else ():
+            if (factor := getattr(each, kind).gamma_g) is not None:
+                yield f"{key}.{kind}: is multiplied by its own gamma_g, {factor:g}"
         if each.force and each.force.block in named:
             block, at = named[each.force.block], np.array(each.force.at)
             apart = np.maximum(block.places.min(axis=0) - at, at - block.places.max(axis=0))

@@ -141,32 +141,43 @@ class Demand:
 
 
 def demands_of(
-    description: Any, folder: Path = Path(), *, in_time: bool = False
+    description: Any,
+    folder: Path = Path(),
+    *,
+    in_time: bool = False,
+    factors: PartialFactors = NO_FACTORS,
 ) -> tuple[Demand, ...]:
     """What a ``description`` demands: of its load, of each load case and position, or of none.
 
     Arguments and errors as of `structure_of`, but for a load that is missing. ``in_time``: whether
-    loads may act in time, which else are an error.
+    loads may act in time, which else are an error. ``factors``: of design values; ValueError where
+    nothing is to be carried.
     """
     given = StructureFile.read(description)
+    found = _demanded(given, folder, factors.gamma_g, in_time=in_time)
+    return tuple(each.factored(factors) for each in found)
+
+
+def _demanded(
+    given: StructureFile, folder: Path, gamma_g: float, *, in_time: bool
+) -> Iterator[Demand]:
+    """As `demands_of`, before ``gamma_g`` multiplies all permanent loads."""
     if given.load is not None and given.load_cases is not None:
         raise ValueError("load_cases: must not be given beside load")
     assembly = assembly_of(given, folder)
-    always = permanent_on(assembly, given.permanent, given.tolerance)
+    always = permanent_on(assembly, given.permanent, given.tolerance, gamma_g=gamma_g)
     if isinstance(given.load, TimeSection):
         if not in_time:
             raise ValueError(IN_TIME)
-        return (Demand(Problem(assembly, given.load.on(assembly, always, folder))),)
-    if given.load is not None:
-        return tuple(_demands(assembly, given.load, always, "load"))
-    if given.load_cases is None:
-        return (Demand(Problem(assembly, permanent_only(assembly, always)), raises=False),)
-    found: list[Demand] = []
-    for name, case in given.load_cases.items():
+        yield Demand(Problem(assembly, given.load.on(assembly, always, folder)))
+    elif given.load is not None:
+        yield from _demands(assembly, given.load, always, "load")
+    elif given.load_cases is None:
+        yield Demand(Problem(assembly, permanent_only(assembly, always)), raises=False)
+    for name, case in (given.load_cases or {}).items():
         key = f"load_cases.{name}"
-        own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent")
-        found += _demands(assembly, case, always + own, key, name)
-    return tuple(found)
+        own = permanent_on(assembly, case.permanent, given.tolerance, f"{key}.permanent", gamma_g)
+        yield from _demands(assembly, case, always + own, key, name)
 
 
 def _demands(
