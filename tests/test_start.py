@@ -54,6 +54,28 @@ def test_an_interrupt_while_the_workflow_loads_ends_it_without_a_word() -> None:
     assert (found.returncode, found.stderr) == (-signal.SIGINT, "")
 
 
+# A script of Snakemake's that ^C reaches while it loads.
+JOB = """
+import os, signal, types
+files = dict.fromkeys(("input", "output", "params", "resources"), {})
+snakemake = types.SimpleNamespace(rule="", log=["log"], **files)
+os.kill(os.getpid(), signal.SIGINT)
+from workflow.step import step
+step(lambda *_: print("runs"))
+"""
+
+
+def test_an_interrupt_while_a_job_loads_ends_it_without_a_traceback(tmp_path: Path) -> None:
+    rules = (ROOT / "workflow/rules/common.smk").read_text()
+    (prefix,) = re.findall(r'^shell\.prefix\("(.+)"\)$', rules, re.MULTILINE)
+    (tmp_path / "job.py").write_text(JOB)
+    found = ran(
+        "bash", "-c", f"{prefix} {sys.executable} job.py", cwd=tmp_path, PYTHONPATH=str(ROOT)
+    )
+    assert (found.returncode, found.stdout + found.stderr) == (1, "")
+    assert (tmp_path / "log").read_text() == "stopped\n"
+
+
 def test_times_in_the_future_come_before_now_in_their_order(tmp_path: Path) -> None:
     now = time.time()
     for name, when in (("input", now + 1e6), ("output", now + 2e6), ("old", now - 5.0)):

@@ -50,7 +50,8 @@ def step(run: Run, **others: Run) -> None:
     ``others``: what the jobs of other rules call in its place, by the name of the rule. A ``run``
     takes parameters and resources by name, and paths by name: each a path or a list of paths. It
     may return why a case has no result, which its outputs say too. All that is printed goes to the
-    job's log. The job ends with the process that started it, however that ends.
+    job's log. The job ends with the process that started it, however that ends, and with ^C, which
+    waits until the script has been loaded.
     """
     job = __main__.snakemake  # which Snakemake puts there
     run = others.get(job.rule, run)
@@ -59,7 +60,12 @@ def step(run: Run, **others: Run) -> None:
     for stream in (1, 2):
         os.dup2(log, stream)
     arguments = {**dict(job.resources.items()), **dict(job.params.items())}
-    if error := run(arguments, _paths(job.input), _paths(job.output)):
+    try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        error = run(arguments, _paths(job.input), _paths(job.output))
+    except KeyboardInterrupt:
+        sys.exit("stopped")
+    if error:
         print(error, file=sys.stderr)
         if not all(Path(path).exists() for path in job.output):
             sys.exit(1)

@@ -25,8 +25,9 @@ if workflow.is_main_process:
 # A limit for clusters: with it, Snakemake polls once a second for each job that has ended.
 if workflow.executor_plugin and workflow.executor_plugin.common_settings.local_exec:
     workflow.scheduling_settings.max_jobs_per_timespan = None
-# A script is a child of Snakemake itself, not of a shell, and ends with it (`workflow.step`).
-shell.prefix("exec ")
+# A script is a child of Snakemake itself, not of a shell, and ends with it; ^C waits while it loads
+# (`workflow.step`).
+shell.prefix("exec env --block-signal=INT ")
 # Snakemake writes it into a command of the shell as it is, with the blanks of its path.
 sys.executable = shlex.quote(sys.executable)
 PATHS = filter(None, (CHECKOUT, os.environ.get("PYTHONPATH")))
