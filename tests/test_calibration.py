@@ -3,15 +3,18 @@
 import math
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from small import ONE, merged
 
 from analysis.calibration.candidates import (
+    ANGLES,
     Trial,
     candidate_study,
     candidates,
     check,
+    curve_study,
     engine_study,
     misfit_columns,
     misfit_table,
@@ -134,6 +137,8 @@ def test_the_confirmation_is_a_study_of_the_chosen_joints(study: Study) -> None:
     assert confirmed.joint("rank1_n5").dry.friction == chosen[1].friction
     assert confirmed.nodes == study.nodes
     assert confirmed.dem.engines == study.dem.engines
+    curves = read_study(curve_study(study, check(study, PUBLISHED), ranked))
+    assert curves.eccentricities == (*np.tan(np.radians(ANGLES[:-1])), math.inf)
     bends = {"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}}
     elastic = read_study({**bends, "meshes": [0.005]})
     assert elastic.dem.engines == ("calculix",)  # the confirmation's pieces are rigid

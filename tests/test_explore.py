@@ -173,3 +173,5 @@ def test_an_arrow_points_to_where_the_first_failure_is_larger() -> None:
         arrow, number, _ = said.split(" ")
         assert arrow == ("\N{RIGHTWARDS ARROW}" if rise > 0.0 else "\N{LEFTWARDS ARROW}")
         assert float(number.replace("\N{MINUS SIGN}", "-")) == pytest.approx(rise, abs=0.02)
+    smooth = replace(state, friction=0.0, pressure=0.0)
+    assert effects(smooth).keys() == found.keys() - {"friction", "pressure"}

@@ -17,7 +17,7 @@ from analysis.drawing import PICTURE, sketch
 from analysis.figures import figures_of
 from analysis.figures.draw import DRAWN_BY, run
 from analysis.figures.joint import cell_edges
-from analysis.figures.style import of_model
+from analysis.figures.style import caption, of_model, words_only
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
 from analysis.tables.comparisons import variants_table
@@ -42,6 +42,12 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
     variants = {"stiffness", "fracture_energy"}
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - variants
+
+
+def test_a_caption_lies_within_its_figure() -> None:
+    figure = words_only("nothing")
+    caption(figure, "A caption.")
+    assert all(0.0 < share < 0.5 for share in figure.texts[-1].get_position())
 
 
 def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:

@@ -139,6 +139,7 @@ def test_what_no_joint_carries_ends_with_how_far_they_are() -> None:
     found = run("joint", "-V", "3e4")
     assert found.exit_code == 1
     assert "no joint with 2 to 31 locks is strong enough;" in found.output
+    assert "at most 0 N, " in run("joint", "-M", "1e4").output
     found = run("joint", "-V", "3e4", "--vary", "a=0.05,0.7")
     assert "none of 2 joints is strong enough" in found.output
     assert "the rule refuses 1 of them, for example: a / b: 14" in found.output

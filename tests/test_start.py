@@ -96,6 +96,22 @@ def test_a_disk_without_room_is_named(tmp_path: Path, monkeypatch: pytest.Monkey
         assert words == f"{tmp_path}/results: the study is incomplete, {why}"
 
 
+def test_engines_come_after_a_first_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def made(engines: str) -> list[bool]:
+        found: list[bool] = []
+        monkeypatch.setattr(
+            workflow_main, "snakemake", lambda *_, engines=True, **__: found.append(engines)
+        )
+        (tmp_path / "study.yaml").write_text(SMALL.replace("engines: []", f"engines: {engines}"))
+        workflow_main.run_study(tmp_path / "study.yaml", f"{tmp_path}/results")
+        return found
+
+    assert made("[]") == [True]
+    assert made("[yade]") == [False, True]
+    (tmp_path / "results/report.html").write_text("")
+    assert made("[yade]") == [True]
+
+
 def test_a_picture_is_drawn_in_a_notebook(tmp_path: Path) -> None:
     words = ("envelope", "-n", "2", "-m", "law", "--picture", tmp_path / "law.svg")
     found = python("-c", PROGRAM, *words, MPLBACKEND="module://not_there.backend_inline")

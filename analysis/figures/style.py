@@ -79,7 +79,7 @@ def caption(figure: Figure, text: str, height: float = 0.2) -> None:
 def save(figure: Figure, paths: list[Path]) -> None:
     """Write the figure to each of ``paths``, as high as its caption is long."""
     for path in paths:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(exist_ok=True)
         write_figure(figure, path, bbox_inches="tight")
 
 

@@ -233,7 +233,8 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
 
 def capacity(model: Sidmacib, direction: Direction) -> Capacity:
     """The largest load in ``direction``; raises `sidmacib.errors.CapacityError` if none."""
-    return capacities(model, [direction])[0]
+    (found,) = capacities(model, [direction])
+    return found
 
 
 class SupportFunction:

@@ -138,16 +138,13 @@ def _thickness(corners: Floats) -> float:
 
 def _without_repeats(face: list[int]) -> Face:
     """A face without vertices that follow themselves, and without spikes."""
-    length = 0
-    while length != len(face):
-        length = len(face)
-        face = [v for k, v in enumerate(face) if v != face[k - 1] or len(face) == 1]
-        if len(face) < 3:
-            break
-        spike = next((k for k in range(len(face)) if face[k - 2] == face[k]), None)
-        if spike is not None:
-            face = [v for k, v in enumerate(face) if k not in (spike, (spike - 1) % len(face))]
-    return tuple(face)
+    kept = [v for k, v in enumerate(face) if v != face[k - 1]]
+    spike = next((k for k in range(len(kept)) if kept[k - 2] == kept[k]), None)
+    if len(kept) < 3 or spike is None:
+        return tuple(kept)
+    return _without_repeats(
+        [v for k, v in enumerate(kept) if k not in (spike, (spike - 1) % len(kept))]
+    )
 
 
 def once_each(faces: Sequence[Face]) -> list[Face]:
@@ -251,7 +248,7 @@ def _outwards(name: str, faces: list[Face], places: Floats) -> list[Face]:
         point = places[ordered[part[0]][0]]
         hollow = sum(is_inside(point, each, places) for each in others) % 2 == 1
         triangles = places[fans([ordered[k] for k in part])]
-        volume = np.linalg.det(triangles - places[list(ordered[part[0]])].mean(axis=0)).sum()
+        volume = np.linalg.det(triangles - point).sum()
         if (volume < 0.0) != hollow:
             for k in part:
                 ordered[k] = ordered[k][::-1]
