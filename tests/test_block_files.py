@@ -20,6 +20,7 @@ from sidmacib.structure.files.bodies import bodies_in
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.repair import repaired
 from sidmacib.structure.files.structure_file import (
+    assembly_of,
     blocks_and_rows,
     notes_on,
     structure_of,
@@ -134,6 +135,16 @@ def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Pat
     embedded = structure_of(whole)
     assert "assumed: unit m" in notes_on(whole, embedded.assembly)
     assert limit_load(*embedded, friction=True).load == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_mesh_with_a_unit_may_be_large_in_a_study_too(tmp_path: Path) -> None:
+    write(tmp_path / "dam.obj", [box("dam", (0.1, 0, 0), (80.3, 10, 60), 2e3)])
+    rock = {"low": [-10, -10, -10], "high": [90, 20, 0], "fixed": True}
+    text = {"blocks": {"dam": {"file": "dam.obj", "unit": "m"}, "rock": rock}}
+    of_study = assembly_of(with_bodies(text, tmp_path))
+    assert of_study.pieces == assembly_of(text, tmp_path).pieces
+    with pytest.raises(ValueError, match="would be .* say unit"):
+        with_bodies({"blocks": {"dam": {"file": "dam.obj"}}}, tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -203,7 +203,7 @@ class ShapeSection(Keys):
     @classmethod
     def _in_metres(cls, given: Any) -> Any:
         unit: Any = given.get("unit") if isinstance(given, Mapping) else None
-        if unit not in get_args(Unit):
+        if unit not in get_args(Unit) or unit == "m":
             return given
         keys = {key for shape in SHAPES for key in shape} - {"faces"}
         return {k: _times(v, metres(unit)) if k in keys else v for k, v in given.items()}

@@ -322,8 +322,8 @@ def with_bodies(description: Any, folder: Path) -> Any:
             blocks[name] = value
             continue
         section = FileSection.read(value, "blocks", name)
-        assumed = section.assumes_density  # which is said of the description, and so is the unit
-        unit = {"mesh": section.file} if section.assumes_unit else {}
+        assumed = section.assumes_density  # the description says so, and whether the unit is
+        unit = {"mesh": section.file} if section.assumes_unit else {"unit": "m"}
         for block in section.blocks(str(name), folder):
             blocks[block.name] = {
                 "vertices": [list(vertex) for vertex in block.vertices],
