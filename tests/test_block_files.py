@@ -143,7 +143,7 @@ def test_a_mesh_with_a_unit_may_be_large_in_a_study_too(tmp_path: Path) -> None:
     text = {"blocks": {"dam": {"file": "dam.obj", "unit": "m"}, "rock": rock}}
     of_study = assembly_of(with_bodies(text, tmp_path))
     assert of_study.pieces == assembly_of(text, tmp_path).pieces
-    with pytest.raises(ValueError, match="would be .* say unit"):
+    with pytest.raises(ValueError, match=r"would be .* say unit"):
         with_bodies({"blocks": {"dam": {"file": "dam.obj"}}}, tmp_path)
 
 

@@ -1,15 +1,12 @@
 """The lowest peak: searches that start elsewhere, where friction leaves several equilibria."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from conftest import a_case
 from joints import sawn
 
-from analysis.summary.summary import spread_lines
 from sidmacib import lowest_peak, static_peak
 from sidmacib.joint import INNER, Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
@@ -128,13 +125,3 @@ def test_a_record_has_lowest_peak_spread_and_first_failure(monkeypatch: pytest.M
     assert found.first_failure_load_N == first.first_failure_load_N
     assert found.peak_spread == round(1.0 / 0.97 - 1.0, 4)
     assert JointRecord.from_json(found.to_json()) == found
-
-
-def test_the_summary_names_the_cases_whose_peaks_spread() -> None:
-    rows = pd.DataFrame({"case": ["n0-mesh0.02-e1a", "n1-mesh0.02-e1a", "n2-mesh0.02-e1a"]})
-    rows = rows.assign(variant="reference", peak_spread=[0.004, 0.2, math.nan])
-    text = "\n".join(spread_lines(rows))
-    assert "the lowest of which counts: above 1 % in 1 of 2 cases" in text
-    assert "n1-mesh0.02-e1a: 20.0 %" in text
-    assert "n0-mesh" not in text
-    assert not list(spread_lines(rows[2:]))

@@ -8,7 +8,7 @@ from made_up_results import record_with, tables_of
 from small import SMALL
 
 from analysis.published import comparisons, difference_text, read_published
-from analysis.summary.summary import leading_models, summary
+from analysis.summary.summary import leading_models
 from analysis.tables.capacity import sidmacib_rows
 from analysis.tables.collect import weights_table
 from workflow.case import JointCase
@@ -101,15 +101,3 @@ def test_samples_of_the_same_locks_stand_side_by_side(tables: dict[str, pd.DataF
     computed = {sample: row.computed for sample, row in peak.rows.items()}
     assert computed == {"n3": 264.0, "n3_fits": 254.0}
     assert difference_text(peak.rows["n3"]) == "+9.65 %"
-
-
-# --- in words ------------------------------------------------------------------------------------
-def test_a_mesh_error_above_2_percent_is_named_with_help(tables: dict[str, pd.DataFrame]) -> None:
-    text = summary("there", tables, [0.02])
-    (line,) = (line for line in text.splitlines() if "static mesh 0.02 m:" in line)
-    assert line == "  static mesh 0.02 m: 11.33 % (n3_fits-mesh0.02-e0a), ABOVE 2 %"
-    assert "capacities have a mesh error above 2 %" in text
-    small = tables | {"capacity": tables["capacity"].assign(mesh_error=0.01)}
-    text = summary("there", small, [0.02])
-    assert "static mesh 0.02 m: 1.00 %" in text
-    assert "ABOVE" not in text and "capacities have a mesh error" not in text

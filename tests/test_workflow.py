@@ -129,7 +129,6 @@ def test_a_fault_is_reported_before_anything_runs(workspace: Workspace) -> None:
 def test_a_study_without_engines_has_the_static_model_in_their_place(solved: Workspace) -> None:
     assert {path.name for path in (solved.results / "cases").iterdir()} == {"static"}
     assert set(pd.read_csv(solved.results / "tables/fit.csv")["model"]) == {"static"}
-    assert "SiDMACIB against static" in (solved.results / "summary.txt").read_text()
     assert (solved.results / "figures/shear_stress-n3.png").stat().st_size > 5000
     assert solved.planned() == set()
 
@@ -209,7 +208,6 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     brittle = cases.loc["yade"].drop("n3-mesh0.03-e0a-soft")
     assert set(brittle["mode"]) == set(cases.loc["static", "mode"]) == {"bonds"}
     assert cases.loc["yade", "versions"].str.startswith("yade ").all()
-    assert "Published against computed" in (results / "summary.txt").read_text()
     figures = {path.name for path in (results / "figures").iterdir()}
     assert {"side_by_side.png", "side_by_side.pdf", "torsion_stress-n3.png"} <= figures
     assert all((results / "figures" / name).stat().st_size > 5000 for name in figures)

@@ -28,11 +28,6 @@ rule summary:
     params:
         results=lambda wildcards: STUDY.results,
         meshes=STUDY.meshes,
-        ductile=[
-            name
-            for name, change in STUDY.every_variant.items()
-            if change.assembly(STUDY.assembly).failure == "ductile"
-        ],
         code=code("analysis.summary.summary"),
     message:
         "Write the summary"
