@@ -21,7 +21,7 @@ from command_runner import run
 from structures import CUBE, DEMANDED, PUSH, solved, study
 
 import sidmacib
-from analysis.explore.structures import SentFile, opened_files
+from analysis.explore.structures import SentFile, opened_file
 from analysis.report import finding
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary, verdict_lines
@@ -156,7 +156,7 @@ def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
         for line in told["notes"]:
             assert in_words(line) in text
 
-    (opened,) = opened_files([sent(each) for each in (path, folder / "box.obj")])
+    opened = opened_file([sent(each) for each in (path, folder / "box.obj")])
     answer = opened.answer
     if said is not None and len(asked) == 1:
         assert answer.views.answer.startswith(said)

@@ -130,12 +130,11 @@ interfaces: {friction: 0.4}
 """
 
 
-def send(served: Served, *names: str, kept: int = 0, **texts: str) -> Answered:
+def send(served: Served, *names: str, **texts: str) -> Answered:
     """Files of studies/ by name, and others by their texts."""
     files = {Path(name).name: (STUDIES / name).read_bytes() for name in names}
     files |= {name.replace("_", "."): text.encode() for name, text in texts.items()}
     values = {"files": [{"name": n, "data": b64encode(d).decode()} for n, d in files.items()]}
-    values["kept"] = kept
     return served.post("/file", {"page": "files", "number": 1, "values": values})
 
 
@@ -161,40 +160,22 @@ def test_blocks_come_with_the_yaml_that_says_what_they_lack(served: Served) -> N
     assert "Peak at 7848 N, 0.4 of the weight" in served.get(found["page"]).text
 
 
-def test_two_files_stand_beside_each_other_with_what_differs(served: Served) -> None:
-    """A block that slides at its friction, 0.4 or 0.5, times its weight of 156.96 N."""
-    kept = CUBE + "load: {acceleration: [1, 0, 0]}\n"
-    shown = kept.replace("0.4", "0.5")
-    page = send(served, kept_yaml=kept, shown_yaml=shown).content["page"]
-    text = served.get(page).text
-    assert "Peak at 78.48 N" in text and "Peak at 62.78 N" in text
-    for row in (
-        ("interfaces.friction", "0.4", "0.5", "+0.1", "+25.0 %"),
-        ("load that counts", "peak", "peak", "", ""),
-        ("static: load (N)", "62.78", "78.48", "+15.7", "+25.0 %"),
-    ):
-        assert f"<tr>{''.join(f'<td>{each}</td>' for each in row)}</tr>" in text
-    assert "blocks.cube" not in text.split('<script id="data"')[0]
-    number = page.partition("file=")[2].partition("&")[0]
-    third = send(served, "structures/trilith.yaml", kept=int(number)).content["page"]
-    assert third.endswith(f"&kept={number}")
-    assert "kept: shown" in served.get(third).text
-    three = send(served, a_yaml=kept, b_yaml=kept, c_yaml=kept).content["error"]
-    assert three == "at most two structures are compared, not 3: a.yaml, b.yaml, c.yaml"
+def test_several_structures_are_opened_one_by_one(served: Served) -> None:
+    text = CUBE + "load: {acceleration: [1, 0, 0]}\n"
+    error = send(served, a_yaml=text, b_yaml=text).content["error"]
+    assert error == "a.yaml, b.yaml: are 2 structures; open them one by one"
 
 
-def test_a_changed_number_opens_beside_the_file_that_it_is_of(served: Served) -> None:
+def test_a_changed_number_opens_the_changed_file(served: Served) -> None:
     """A block that slides at its friction, which is changed from 0.4 to 0.5 and on to 0.6."""
-    send(served, cube_yaml=CUBE + "load: {acceleration: [1, 0, 0]}\n")
     page = send(served, cube_yaml=CUBE + "load: {acceleration: [1, 0, 0]}\n").content["page"]
-    number = of = int(page.partition("file=")[2])
+    of = int(page.partition("file=")[2])
     for friction, load in ((0.5, "78.48"), (0.6, "94.18")):
-        values = {"of": of, "kept": number, "numbers": {"interfaces.friction": friction}}
+        values = {"of": of, "numbers": {"interfaces.friction": friction}}
         found = served.post("/file", {"page": "f", "number": of, "values": values}).content
-        assert found["page"].endswith(f"&kept={number}")
-        of = int(found["page"].partition("file=")[2].partition("&")[0])
+        of = int(found["page"].partition("file=")[2])
         text = served.get(found["page"]).text
-        assert f"Peak at {load} N" in text and "kept, cube: Peak at 62.78 N" in text
+        assert f"Peak at {load} N" in text
         assert f"changed here: interfaces.friction 0.4 \N{RIGHTWARDS ARROW} {friction}" in text
         assert f'data-number="interfaces.friction" value="{friction}"' in text
     values["numbers"] = {"interfaces.friction": -1.0}
@@ -257,7 +238,7 @@ def test_requests_of_files_are_checked(served: Served) -> None:
     asked["values"]["files"][0]["name"] = 305 * "a"
     assert "a file (File name too long)" in served.post("/file", asked).content["error"]
     assert served.post("/file", {**asked, "values": {"files": "x"}}).status == 400
-    assert served.post("/file", {**asked, "values": {"files": [], "kept": "x"}}).status == 400
+    assert served.post("/file", {**asked, "values": {"files": [], "of": "x"}}).status == 400
     assert served.get("/opened?file=999").status == 404
 
 

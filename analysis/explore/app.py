@@ -298,8 +298,8 @@ def _sent(values: Mapping[str, object]) -> Checked[structures.Sent]:
         return Checked(structures.Sent.model_validate(values), ())
     except ValidationError:
         raise BadRequest(
-            "files must be a list of objects with name and data in base64, kept and of the number "
-            "of a file, and numbers have a number for each name."
+            "files must be a list of objects with name and data in base64, of the number of a "
+            "file, and numbers have a number for each name."
         ) from None
 
 

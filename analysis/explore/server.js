@@ -33,8 +33,7 @@ async function inBase64(file) {
 
 async function openFiles(files) {
   if (!files.length) return;
-  const sent = { files: await Promise.all([...files].map(inBase64)), kept: Number(at("open").dataset.kept) };
-  openPage(sent, [...files].map((file) => file.name).join(", "));
+  openPage({ files: await Promise.all([...files].map(inBase64)) }, [...files].map((file) => file.name).join(", "));
 }
 
 async function openPage(values, what) {
@@ -54,11 +53,11 @@ if (at("open")) {
 // The numbers of a file: all of them are sent when one is changed, and the page of the changed file opens.
 const numbers = [...document.querySelectorAll("[data-number]")];
 for (const field of numbers) {
-  const slider = field.closest(".one").querySelector('[type="range"]'), { of, kept } = at("numbers").dataset;
+  const slider = field.closest(".one").querySelector('[type="range"]');
   const send = () => {
     if (numbers.some((each) => Number.isNaN(each.valueAsNumber))) return;
     const asked = Object.fromEntries(numbers.map((each) => [each.dataset.number, each.valueAsNumber]));
-    openPage({ of: Number(of), kept: Number(kept), numbers: asked }, field.dataset.number);
+    openPage({ of: Number(at("numbers").dataset.of), numbers: asked }, field.dataset.number);
   };
   slider.addEventListener("input", () => { field.value = slider.value; });
   for (const each of [field, slider]) each.addEventListener("change", send);

@@ -4,13 +4,12 @@ The answer to a file that is opened is the page that `multilock assembly --repor
 """
 
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
-from urllib.parse import urlencode
 
 import yaml
 from pydantic import Base64Bytes, BaseModel
@@ -18,14 +17,13 @@ from werkzeug.exceptions import NotFound
 
 from analysis.explore.examples import STRUCTURE_MODELS, Chosen
 from analysis.explore.numbers import numbers_of, put_numbers
-from analysis.explore.state import Figure, compared
+from analysis.explore.state import Figure
 from sidmacib.answers.ask import Solved, limit_of, static_of
 from sidmacib.answers.said import Static
 from sidmacib.answers.structure import Limit
 from sidmacib.answers.structure_paths import StaticAnswer
 from sidmacib.command.answers import Row
 from sidmacib.command.cases import case_rows
-from sidmacib.command.output import cell
 from sidmacib.command.structure_views import Views
 from sidmacib.command.structures import structure_rows
 from sidmacib.scene.forces import arrows_of
@@ -75,11 +73,6 @@ class StructureAnswer:
         return cls(description, views, structure_rows(solved), counts)
 
     @property
-    def told(self) -> dict[str, Figure]:
-        """The description, for a comparison."""
-        return dict(_leaves(self.description))
-
-    @property
     def carried(self) -> dict[str, Figure]:
         """The loads of each model, for a comparison."""
         told: dict[str, Figure] = {"load that counts": self.counts}
@@ -90,17 +83,6 @@ class StructureAnswer:
                 if isinstance(each, float) and not name.startswith("mesh error")
             }
         return told
-
-
-def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Figure]]:
-    """The values of a description by their keys; a list in a line."""
-    if isinstance(value, Mapping):
-        for key, each in value.items():
-            yield from _leaves(each, f"{name}.{key}" if name else str(key))
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield name, float(value)
-    else:
-        yield name, str(value)
 
 
 @lru_cache(maxsize=KEPT)
@@ -161,13 +143,9 @@ class SentFile(BaseModel):
 
 
 class Sent(BaseModel):
-    """What the page of a file sends: ``files``, or ``numbers`` by name that change the file ``of``.
-
-    ``kept``: the number of the file that they are compared with. 0: none.
-    """
+    """What a page sends: ``files``, or ``numbers`` by name that change the file ``of``, if any."""
 
     files: list[SentFile] = []
-    kept: int = 0
     of: int = 0
     numbers: dict[str, float] = {}
 
@@ -176,39 +154,33 @@ class OpenedFiles:
     """The structures that were sent last, by number."""
 
     def __init__(self) -> None:
-        self._found: dict[int, OpenedFile] = {}
+        self._found: dict[str, OpenedFile] = {}
         self._newest = 0
 
     def opened(self, sent: Sent) -> str:
-        """The address of the page of what is ``sent``, beside the file that is kept, if any.
+        """The address of the page of what is ``sent``.
 
         Errors of the models; ValueError for files of something else.
         """
-        for each in (sent.of, sent.kept):
-            if each and each not in self._found:
+        if sent.of:
+            if (of := str(sent.of)) not in self._found:
                 raise ValueError(FORGOTTEN)
-            if each:
-                self._found[each] = self._found.pop(each)  # to the end
-        numbers = [sent.kept]
-        changed = [self._found[sent.of].changed(sent.numbers)] if sent.of else []
-        for found in changed or opened_files(sent.files):
-            self._newest += 1
-            numbers.append(self._newest)
-            self._found[self._newest] = found
+            self._found[of] = self._found.pop(of)  # to the end
+            found = self._found[of].changed(sent.numbers)
+        else:
+            found = opened_file(sent.files)
+        self._newest += 1
+        self._found[str(self._newest)] = found
         while len(self._found) > MOST_FILES:
             self._found.pop(next(iter(self._found)))
-        *_, beside, number = numbers
-        query = {"file": number, "kept": beside}
-        return f"{OPENED}?{urlencode({name: each for name, each in query.items() if each})}"
+        return f"{OPENED}?file={self._newest}"
 
     def page(self, query: Mapping[str, str]) -> str:
-        """The page of a file, beside one that is kept; `NotFound` if they are not remembered."""
-        number, kept = query.get("file", ""), query.get("kept", "")
-        files = {str(each): found for each, found in [*self._found.items()]}
-        if number not in files or (kept and kept not in files):
+        """The page of a file; `NotFound` if it is not remembered."""
+        number = query.get("file", "")
+        if number not in self._found:
             raise NotFound(FORGOTTEN)
-        words = {"number": number, "kept_number": kept, "server": SCRIPT.read_text()}
-        return files[number].page(files.get(kept), words)
+        return self._found[number].page({"number": number, "server": SCRIPT.read_text()})
 
 
 class OpenedFile(NamedTuple):
@@ -226,41 +198,33 @@ class OpenedFile(NamedTuple):
                 _written(each, Path(folder))
             return _opened(Path(folder) / self.path, self.files, numbers)
 
-    def page(self, kept: "OpenedFile | None", words: Mapping[str, Any]) -> str:
-        """The command's page, beside the file that is ``kept``, if one is.
-
-        ``words``: those that the page has beyond the command's.
-        """
+    def page(self, words: Mapping[str, Any]) -> str:
+        """The command's page; ``words``: those that it has beyond the command's."""
         here = self.answer
         data, own = here.views.content(here.rows, f"multilock assembly {self.name}")
-        shown: dict[str, Any] = {"kept": kept and kept.answer.views, "comparison": []}
-        shown["numbers"] = [(each, *each.slider) for each in numbers_of(here.description)]
-        shown["yaml"] = yaml.safe_dump(here.description, sort_keys=False, default_flow_style=None)
-        if kept is not None:
-            there = kept.answer
-            data["structures"] += there.views.content(there.rows, "")[0]["structures"]
-            lines = compared((here.told, there.told), (here.carried, there.carried))
-            shown["comparison"] = [[cell(value) for value in line] for line in lines]
-            shown["notes"] = [*own["notes"], f"kept, {there.views.title}: {there.views.answer}"]
-        return page(data, {**own, **words, **shown, "kinds": READ}, TEMPLATE)
+        numbers = [(each, *each.slider) for each in numbers_of(here.description)]
+        text = yaml.safe_dump(here.description, sort_keys=False, default_flow_style=None)
+        return page(
+            data, {**own, **words, "numbers": numbers, "yaml": text, "kinds": READ}, TEMPLATE
+        )
 
 
-def opened_files(files: Sequence[SentFile]) -> list[OpenedFile]:
-    """The structures in ``files``; one, or two to compare.
+def opened_file(files: Sequence[SentFile]) -> OpenedFile:
+    """The structure in ``files``.
 
-    YAML files with blocks count, which may name the others; if there are none, files of blocks,
-    to which a YAML file of the same name says what they lack. Errors of the models; ValueError for
-    files of something else.
+    A YAML file with blocks counts, which may name the others; if there is none, a file of blocks,
+    to which a YAML file of the same name says what it lacks. Errors of the models; ValueError for
+    files of something else, and for several structures.
     """
     with TemporaryDirectory() as folder:
         paths = [_written(each, Path(folder)) for each in files]
         if not paths:
             raise ValueError("no file was sent")
         found = _with_blocks(paths)
-        if len(found) > 2:
+        if len(found) > 1:
             names = ", ".join(path.name for path in found)
-            raise ValueError(f"at most two structures are compared, not {len(found)}: {names}")
-        return [_opened(path, files) for path in found]
+            raise ValueError(f"{names}: are {len(found)} structures; open them one by one")
+        return _opened(found[0], files)
 
 
 def _opened(

@@ -1,7 +1,6 @@
 // The page of a structure: the model that is drawn, and its tables.
 const DATA = JSON.parse(document.getElementById("data").textContent);
-// Of the structure of the page first, then of another one, kept beside it.
-const MODELS = DATA.structures.flatMap(({ models, ...structure }, k) => models.map((each) => ({ ...each, ...structure, kept: k > 0, id: `${k ? "kept-" : ""}${each.row.model}` })));
+const MODELS = DATA.structures.flatMap(({ models, ...structure }) => models.map((each) => ({ ...each, ...structure })));
 const labelOf = (model) => MODELS.find((each) => each.row.model === model);
 const REACTIONS = ["support", "Rx (N)", "Ry (N)", "Rz (N)", "size (N)", "x (m)", "y (m)", "z (m)"];
 const INTERFACES = [
@@ -31,17 +30,14 @@ function fillTable(id, head, rows) {
 }
 
 function showModel() {
-  const told = MODELS.find(({ id }) => id === at("structure-model").value);
+  const told = labelOf(at("structure-model").value);
   showStructure(preparedStructure({ structure: "", ...told.row }, told.shape, told.blocks, told.interfaces, told));
   at("structure-order").textContent = orderOf(drawn);
   fillTable("reactions", REACTIONS, withoutNoise(reactionRows(told), [1, 2, 3, 4]));
   fillTable("interfaces", INTERFACES.map(([title]) => title), told.interfaces.map((row) => INTERFACES.map(([, column]) => row[column])));
 }
 
-fill(at("structure-model"), MODELS.map(({ id }) => id), MODELS[0].id, (id) => {
-  const { name, kept, title } = MODELS.find((each) => each.id === id);
-  return kept ? `${name}, kept: ${title}` : name;
-});
+fill(at("structure-model"), MODELS.map(({ row }) => row.model), MODELS[0].row.model, (model) => labelOf(model).name);
 at("structure-model").addEventListener("change", showModel);
 startDrawing();
 showModel();
