@@ -116,11 +116,7 @@ def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
     if said is not None:
         assert printed.stdout.splitlines()[0] == said
         assert printed.exit_code == (0 if told["verdict"] == "yes" else 1)
-    table = csv.DictReader(io.StringIO(run("assembly", str(path), "--format", "csv").stdout))
-    for row, same in zip(table, told["rows"], strict=True):
-        assert (row.get("answer") or None) == said
-        for key, value in same.items():
-            assert row[key] == ("" if value is None else str(value))
+    same_in_csv(run("assembly", str(path), "--format", "csv").stdout, told)
 
     asked = sidmacib.ask(path)
     names = list(ASKED[name].get("load_cases", asked))
@@ -164,6 +160,16 @@ def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
         assert [row["model"] for row in answer.rows] == [row["model"] for row in told["rows"]]
         for row, same in zip(answer.rows, told["rows"], strict=True):
             assert row["note"] == same["note"]
+
+
+def same_in_csv(text: str, told: dict[str, Any]) -> None:
+    """Rows, verdict, input and notes of a table in CSV, as JSON ``told`` them."""
+    beside = {key: told[key] for key in ("verdict", "answer", "deciding_factor") if key in told}
+    beside |= {"version": told["version"], "notes": "; ".join(told["notes"])}
+    for row, same in zip(csv.DictReader(io.StringIO(text)), told["rows"], strict=True):
+        assert json.loads(row["input"]) == told["input"]
+        for key, value in (beside | same).items():
+            assert row[key] == ("" if value is None else str(value))
 
 
 def same_answer(of_study: dict[str, Any], row: dict[str, Any]) -> None:

@@ -53,8 +53,8 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     """``rows`` in one of `FORMATS`, in the units that were asked for; JSON and CSV have all digits.
 
     A column in m, N and so on has its unit at the end of its name: in a table in brackets, else
-    after an underscore. ``about``: what JSON says beside the rows, and CSV, if in one word, in
-    columns of its own.
+    after an underscore. ``about``: what JSON says beside the rows, and CSV in columns of its own:
+    a list with semicolons, keys and values as JSON.
     """
     rows, beside = in_asked_units(rows), in_asked_units([about or {}])[0]
     if form != "table":
@@ -62,7 +62,7 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     if form == "json":
         return json.dumps({**beside, "rows": rows}, indent=1)
     if form == "csv" and about is not None:
-        same = {k: value for k, value in beside.items() if not isinstance(value, list | dict)}
+        same = {key: _in_a_cell(value) for key, value in beside.items()}
         rows = [{**row, **same, **row} for row in rows]
     head = list(rows[0]) if rows else []
     if form == "csv":
@@ -82,6 +82,12 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
         for line in cells
     ]
     return "\n".join(lines)
+
+
+def _in_a_cell(value: Any) -> Any:
+    if isinstance(value, list):
+        return "; ".join(value)
+    return json.dumps(value) if isinstance(value, dict) else value
 
 
 def plain_row(row: Row) -> Row:
