@@ -42,6 +42,21 @@ def read_structure(path: Path) -> Problem:
     return structure_of(description_in(path), path.parent)
 
 
+def read_flat_vault(blocks: int) -> Problem:
+    """Abeille's flat vault of so many blocks along either side."""
+    return structure_of(study(f"flat_vault/vault{blocks}"))
+
+
+def row_of_cubes(count: int) -> list[Block]:
+    """Cubes side by side without a floor between two fixed walls: only locks hold them up."""
+    edge = 0.4
+    names = ["left", *(f"cube{number}" for number in range(count)), "right"]
+    return [
+        box(name, (x, 0.0, 0.0), (x + edge, edge, edge), 2e3, fixed=name in ("left", "right"))
+        for name, x in zip(names, (edge * (place - 1) for place in range(len(names))), strict=True)
+    ]
+
+
 def condensed_keys() -> dict[str, Any]:
     """Keyed blocks whose locks are condensed, which the static model refuses."""
     keyed = example("keyed")

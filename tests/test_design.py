@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from structures import condensed_keys, dry
+from structures import condensed_keys, dry, row_of_cubes
 
 from sidmacib.design import LockKindSection, WeightsSection, directions_of, layouts_of
 from sidmacib.design.blocking import conflict, order_of
@@ -21,7 +21,6 @@ from sidmacib.structure.blocks import box
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import force_at, free_weight
 from sidmacib.structure.structure import structure
-from studies.designed_vault.all_layouts import row
 
 FRICTION = 0.3
 KIND = LockKindSection(width=(0.05,), height=0.02)
@@ -108,7 +107,7 @@ def test_rows_have_room_and_are_as_strong_as_their_roots() -> None:
 
 
 def test_without_friction_two_directions_are_needed_and_one_is_not_enough() -> None:
-    assembly = structure(row(2), dry(0.0))
+    assembly = structure(row_of_cubes(2), dry(0.0))
     loads = force_at(assembly, "cube0", (0.2, 0.2, 0.2), (0.0, 1.0, 0.0))
     given = design_on(assembly, [LoadCase("side", loads, 300.0)], angles=(0.0,))
     with pytest.raises(InfeasibleError, match="no locks carry 1 times"):

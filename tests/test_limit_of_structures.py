@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from command_runner import answers
-from structures import dry, read_structure
+from structures import dry, read_flat_vault, read_structure
 
 from sidmacib import CapacityError, InfeasibleError, static_peak
 from sidmacib.errors import SolverError
@@ -18,7 +18,6 @@ from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
-from studies.flat_vault.geometry import FILES
 from studies.structures.shapes import arch
 
 
@@ -118,13 +117,13 @@ def test_rounds_that_do_not_settle_are_no_answer(monkeypatch: pytest.MonkeyPatch
     with pytest.raises(
         SolverError, match=r"rounds do not settle; the last 10 go from \d+ to \d+ N"
     ):
-        sliding_limit(*read_structure(FILES[3]))
+        sliding_limit(*read_flat_vault(3))
 
 
 def test_a_structure_too_large_for_rounds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sliding, "MOST_NODES", 100)
     with pytest.raises(CapacityError, match=r"without dilation: 176 nodes; at most 100 are"):
-        sliding_limit(*read_structure(FILES[3]))
+        sliding_limit(*read_flat_vault(3))
 
 
 @pytest.mark.parametrize("count", [5, 7, 9])
