@@ -122,6 +122,7 @@ def structure_disagreement(row: Mapping[str, Any]) -> str:
 
 
 def _notes(row: Mapping[str, Any]) -> Iterator[str]:
+    """What must be said with a load; the report has first failures, mesh errors and utilisation."""
     if words := structure_disagreement(row):
         yield words
     if pd.notna(row["note"]):
@@ -129,16 +130,6 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
     elif pd.notna(row["counts"]):
         yield f"the {row['counts']} counts: {row['because']}"
         yield f"failure mode: {row['mode']}"
-    if row["counts"] == FIRST_FAILURE:
-        yield f"peak: {peak(row)}"
-    if pd.notna(row["first_interface"]):
-        error = row["first_failure_mesh_error"]
-        about = "" if pd.isna(error) else f" (mesh error {100 * error:.1f} %)"
-        yield f"first bond failure: {row['first_interface']} at {first_failure(row)}{about}"
-    elif pd.notna(row["most_used_interface"]):
-        yield f"highest utilisation: {row['most_used_interface']}"
-    if pd.notna(row["mesh_error"]):
-        yield f"mesh error of the load {100 * row['mesh_error']:.1f} %"
 
 
 def first_failure(row: Mapping[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,10 @@ from sidmacib.command.output import (
 from sidmacib.quantities import Number
 
 GAP = Number(at_least=0, unit="m")
+
+
+def _gap(flag: str, words: str) -> Callable[..., Any]:
+    return click.option(flag, type=quantity(GAP), default=0.0, help=words)
 
 
 @click.command(cls=Command)
@@ -214,31 +219,14 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     required=True,
     help="Folder for the files; those of the same names are replaced.",
 )
-@click.option(
-    "--clearance",
-    type=quantity(GAP),
-    default=0.0,
-    help="Gap at flanks and ends of locks, m, such as 0.5mm.  [default: 0]",
-)
-@click.option(
-    "--head-clearance",
-    type=quantity(GAP),
-    default=0.0,
-    help="Gap at the heads of locks, m.  [default: 0: the joint bears there]",
-)
-@click.option(
+@_gap("--clearance", "Gap at flanks and ends of locks, m, such as 0.5mm.  [default: 0]")
+@_gap("--head-clearance", "Gap at the heads of locks, m.  [default: 0: the joint bears there]")
+@_gap(
     "--radius",
-    type=quantity(GAP),
-    default=0.0,
-    help="Radius of the mill, m, which leaves corners of hollows round; edges of locks there are "
+    "Radius of the mill, m, which leaves corners of hollows round; edges of locks there are "
     "rounded.  [default: 0]",
 )
-@click.option(
-    "--alike",
-    type=quantity(GAP),
-    default=0.0,
-    help="How far corners of blocks of one kind may differ, m.  [default: rounding]",
-)
+@_gap("--alike", "How far corners of blocks of one kind may differ, m.  [default: rounding]")
 @click.option(
     "--unit",
     type=click.Choice(("mm", "m")),
