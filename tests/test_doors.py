@@ -85,9 +85,30 @@ ASKED: dict[str, dict[str, Any]] = {
         "interfaces": {"friction": 0.7},
         "load": {**PUSH, "over_weight": 0.6},
     },
+    "from compas": {"blocks": {"it": {"file": "box.json"}}, "load": {**PUSH, "over_weight": 0.6}},
     "tilt": {**CUBE, "load": {"tilt": {"axis": [0, 1, 0]}}},
     "without a demand": {**CUBE, "load": PUSH},
 }
+
+
+def compas_assembly(text: str) -> str:
+    """The two boxes of an OBJ as an assembly of COMPAS, the first a support."""
+    lines = [line.split() for line in text.splitlines()]
+    places = [
+        dict(zip("xyz", map(float, each[1:]), strict=True)) for each in lines if each[0] == "v"
+    ]
+    faces = [[int(k) - 1 for k in each[1:]] for each in lines if each[0] == "f"]
+    nodes = {
+        str(number): {
+            "block": {
+                "vertex": {str(k): places[k] for k in range(8 * number, 8 * number + 8)},
+                "face": {str(k): [*map(str, faces[k])] for k in range(6 * number, 6 * number + 6)},
+            },
+            "is_support": number == 0,
+        }
+        for number in range(2)
+    }
+    return json.dumps({"graph": {"node": nodes, "edge": {}}})
 
 
 def in_words(text: str) -> str:
@@ -106,6 +127,7 @@ def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
     folder = tmp_path / "a folder"
     folder.mkdir()
     (folder / "box.obj").write_text(BOX)
+    (folder / "box.json").write_text(compas_assembly(BOX))
     path = folder / "it.yaml"
     path.write_text(yaml.safe_dump(ASKED[name], sort_keys=False))
 
@@ -152,7 +174,8 @@ def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
         for line in told["notes"]:
             assert in_words(line) in text
 
-    opened = opened_file([sent(each) for each in (path, folder / "box.obj")])
+    files = (path, folder / "box.obj", folder / "box.json")
+    opened = opened_file([sent(each) for each in files])
     answer = opened.answer
     if said is not None and len(asked) == 1:
         assert answer.views.answer.startswith(said)

@@ -208,6 +208,13 @@ class ShapeSection(Keys):
         keys = {key for shape in SHAPES for key in shape} - {"faces"}
         return {k: _times(v, metres(unit)) if k in keys else v for k, v in given.items()}
 
+    assumes_unit: ClassVar = False
+
+    @property
+    def assumes_density(self) -> bool:
+        """Whether the block has the default density because nothing says another."""
+        return "density" not in self.model_fields_set
+
     @model_validator(mode="after")
     def _has_a_shape(self) -> Self:
         given = self.model_fields_set & {key for shape in SHAPES for key in shape}
@@ -234,6 +241,8 @@ class ReadSection(ShapeSection):
 
     mesh: Text
     """the file, as it is named in the structure's file"""
+
+    assumes_unit: ClassVar = True
 
 
 def _times(value: Any, factor: float) -> Any:
@@ -304,21 +313,15 @@ class StructureFile(Keys):
     @property
     def assumed(self) -> dict[str, str]:
         """What blocks and interfaces have though the file does not say it."""
-        files = [each for each in self.blocks.values() if isinstance(each, FileSection)]
-        files = [each for each in files if not each.file.lower().endswith(".json")]
-        free = [
-            each
-            for each in self.blocks.values()
-            if each.fixed is not True and (each in files or not isinstance(each, FileSection))
-        ]
+        blocks = [*self.blocks.values()]
+        free = [each for each in blocks if each.fixed is not True]
         laws = {"friction", "from_file"} & self.interfaces.model_fields_set
         found = {}
         if free and not laws and not self.special:
             found["friction"] = f"{INTERFACE.friction:g}"
-        if any("density" not in each.model_fields_set for each in free):
+        if any(each.assumes_density for each in free):
             found["density"] = f"{FileSection.model_fields['density'].default:g} kg/m3"
-        read = any(isinstance(each, ReadSection) for each in self.blocks.values())
-        if read or any(each.assumes_unit for each in files):
+        if any(each.assumes_unit for each in blocks):
             found["unit"] = "m"
         return found
 
