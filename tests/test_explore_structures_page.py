@@ -158,8 +158,10 @@ def test_a_number_of_a_file_is_changed_in_sight_of_the_picture(
     field.fill("-1")
     page.keyboard.press("Tab")
     expect(page.locator("#problem")).to_contain_text("interfaces.friction: -1.0")
+    before = page.url
     field.fill("0.77")
     page.keyboard.press("Tab")
+    page.wait_for_url(lambda url: url != before)
     expect(page.locator("#verdict")).to_contain_text("changed here: interfaces.friction 0.7")
     with page.expect_download() as saved:
         page.click("#save-file")
