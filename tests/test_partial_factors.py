@@ -49,6 +49,9 @@ def test_a_permanent_load_may_have_a_factor_of_its_own(tmp_path: Path) -> None:
     assert "Note: permanent.1.force: is multiplied by its own gamma_g, 0.5" in told
     (row,) = (line for line in note.read_text().splitlines() if "Other permanent loads" in line)
     assert f"{1.35 * 5e3 + 0.5 * 5e3:g} N" in row
+    assembly(tmp_path / "cube.yaml", pressed, "--note", str(note))
+    words = "No partial factors are applied, but those that permanent loads have of their own."
+    assert words in note.read_text()
     force["gamma_g"] = 0
     with pytest.raises(ValueError, match=r"permanent\.2\.force\.gamma_g: 0 is not allowed"):
         demands_of(pressed)

@@ -16,6 +16,7 @@ from analysis.paths import paths_of, pieces_of, shown_cases
 from analysis.published import read_published
 from analysis.report import failed_cases, finding, json_value
 from analysis.summary import (
+    AGREEMENT,
     PEAK_ACCURACY,
     Question,
     RuleError,
@@ -28,7 +29,7 @@ from analysis.summary import (
     worst_by_friction,
     worst_of,
 )
-from analysis.summary.summary import AGREEMENT, leading_models
+from analysis.summary.summary import leading_models
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.parameters import SIZES

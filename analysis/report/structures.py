@@ -8,6 +8,7 @@ import pandas as pd
 
 from analysis.drawing import label_of
 from analysis.report import failed_cases, finding
+from analysis.summary import AGREEMENT
 from analysis.summary.structures import (
     first_failure,
     measured_lines,
@@ -15,7 +16,6 @@ from analysis.summary.structures import (
     structure_disagreement,
     verdict_lines,
 )
-from analysis.summary.summary import AGREEMENT
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import FIRST_FAILURE

@@ -22,6 +22,7 @@ from workflow.case import REFERENCE
 
 # Smaller errors count as none: the distinct elements' peaks are not known more accurately.
 PEAK_ACCURACY = 0.0025
+AGREEMENT = 0.01  # of two models on the same nodes: larger differences are marked
 OTHERS = ("limit", "law", "safe")  # models that are rules too: a load without a path to the peak
 MESH_LIMIT = 0.02  # of a mesh error
 AS_PRINTED = "as printed"  # the setting of samples with the friction that the paper prints

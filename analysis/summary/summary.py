@@ -19,7 +19,6 @@ from workflow.case import REFERENCE
 from workflow.results.tables import read_tables
 from workflow.step import Arguments, Files, step
 
-AGREEMENT = 0.01  # of two models on the same nodes
 GEOMETRY = "a, b, h and H (the paper's text gives a * b only), "
 ACROSS = 4  # samples in one block of the list of loads
 MOST_SAMPLES = 12  # whose loads are listed

@@ -29,7 +29,7 @@ def limit_of(problem: Problem, tell: Tell = str) -> Limit:
     """What limit analysis with friction finds, or why it has no answer."""
     assembly = problem.assembly
     free, faces = sum(not piece.fixed for piece in assembly.pieces), len(assembly.faces)
-    long = f", some {2.0 * (faces / MANY) ** 2:.0f} minutes" if faces > MANY else ""
+    long = f", at least {2.0 * (faces / MANY) ** 2:.0f} minutes" if faces > MANY else ""
     tell(f"{free:,} free blocks, {faces:,} contact faces: limit analysis{long} ...")
     try:
         found = limit_or_tilt(problem)

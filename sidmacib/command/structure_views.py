@@ -336,7 +336,7 @@ def _design_values(demand: Demand) -> Iterator[Cells]:
         numbers = f"{factor:g} · {four_digits(size / factor)} N"
         yield name, _formula(f"<i>{words}{numbers}"), in_asked_words(f"{four_digits(size)} N"), ""
     if beside:
-        words = "&Sigma; &gamma;<sub>G</sub> |<i>G</i><sub>k</sub>|, or by a load's own gamma_g"
+        words = "&Sigma; &gamma;<sub>G</sub> |<i>G</i><sub>k</sub>|, by a load's own gamma_g if any"
         yield (
             "Other permanent loads",
             Formula(words),
