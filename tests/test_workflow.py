@@ -208,6 +208,7 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     brittle = cases.loc["yade"].drop("n3-mesh0.03-e0a-soft")
     assert set(brittle["mode"]) == set(cases.loc["static", "mode"]) == {"bonds"}
     assert cases.loc["yade", "versions"].str.startswith("yade ").all()
+    assert "Published against computed" in (results / "summary.txt").read_text()
     figures = {path.name for path in (results / "figures").iterdir()}
     assert {"side_by_side.png", "side_by_side.pdf", "torsion_stress-n3.png"} <= figures
     assert all((results / "figures" / name).stat().st_size > 5000 for name in figures)

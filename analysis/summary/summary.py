@@ -1,11 +1,12 @@
-"""The summary of a study: answers, loads by each model, and what is missing."""
+"""The summary of a study: what is missing, answers, loads by each model, published numbers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 
 from analysis.drawing import label_of
+from analysis.published import comparisons, difference_text, quantity_label
 from analysis.summary import (
     DESIGN,
     answers,
@@ -25,7 +26,7 @@ MOST_SAMPLES = 12  # whose loads are listed
 
 
 def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[float]) -> str:
-    """The text: cases without a result, answers, and the loads of each model.
+    """The text: cases without a result, answers, loads of each model, and published numbers.
 
     ``meshes``: the study's (m); loads are those at the finest, the report and the tables have all.
     """
@@ -35,6 +36,8 @@ def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[floa
             *_failed(tables["cases"]),
             *(line for each in answers(tables, leading, mesh) for line in each.lines),
             *_models(of_cases(tables), mesh),
+            "",
+            *_validation(tables["validation"], leading),
             "",
             f"Report:  {results}/report.html",
             f"Tables:  {results}/tables",
@@ -64,6 +67,27 @@ def leading_models(fit: pd.DataFrame) -> dict[str, str]:
     """The detailed model that each sample's fits are shown for: the first one."""
     first = fit.drop_duplicates("sample")
     return dict(zip(first["sample"].astype(str), first["model"].astype(str), strict=True))
+
+
+def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str]:
+    if table.empty:
+        yield "The paper has no numbers for the samples of this study."
+        return
+    yield "Published against computed (e = 0)"
+    for part in comparisons(table, leading):
+        for sample, words in part.samples.items():
+            yield f"  {part.locks} locks, {sample}: {'; '.join(words)}"
+        heads = "".join(f"{sample:>12}{'diff.':>9}" for sample in part.samples)
+        yield f"  {'quantity':44}{'mesh m':>7}{'published':>11}{heads}"
+        for line in part.lines:
+            cells = "".join(
+                f"{line.rows[s].computed:>12.5g}{difference_text(line.rows[s]):>9}"
+                if s in line.rows
+                else " " * 21
+                for s in part.samples
+            )
+            name = quantity_label(line.quantity)
+            yield f"  {name:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
 
 
 def _models(capacity: pd.DataFrame, mesh: float) -> Iterator[str]:
