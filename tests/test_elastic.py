@@ -55,11 +55,12 @@ def elastic(locks: int, young: float = YOUNG, body: UpperBody = UpperBody.COLUMN
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("body", BODIES)
 def test_stiff_blocks_are_rigid_ones(layout: NodeLayout, body: UpperBody) -> None:
+    """But for the geometry, which is followed for rigid blocks only."""
     stiff = solved(elastic(3, 1e15, body), 0.03, layout, 0.5)
     rigid = solved(sawn(3, upper_body=body), 0.03, layout, 0.5)
-    assert stiff.first_failure_load == pytest.approx(rigid.first_failure_load, rel=1e-3)
-    assert stiff.peak.load == pytest.approx(rigid.peak.load, rel=1e-3)
-    assert stiff.peak.displacement == pytest.approx(rigid.peak.displacement, rel=1e-3)
+    assert stiff.first_failure_load == pytest.approx(rigid.first_failure_load, rel=3e-3)
+    assert stiff.peak.load == pytest.approx(rigid.peak.load, rel=3e-3)
+    assert stiff.peak.displacement == pytest.approx(rigid.peak.displacement, rel=3e-3)
 
 
 # --- exact cases ---------------------------------------------------------------------------------

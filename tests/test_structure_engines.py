@@ -195,7 +195,6 @@ def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_
     expected = math.degrees(math.atan(friction / math.cos(math.radians(30.0))))
     if top:
         tilt = tilting(model, (1.0, 0.0, 0.0))
-        assert static_tilt(replace(model, finite=False), tilt).angle < 0.9 * expected
         assert static_tilt(model, tilt).angle == pytest.approx(expected, abs=0.7)
     angle = tilted_until_it_falls(engine, model, (1.0, 0.0, 0.0), tmp_path)
     assert angle == pytest.approx(expected, abs=0.4)

@@ -3,7 +3,6 @@
 import json
 import math
 from collections import Counter
-from dataclasses import replace
 from itertools import pairwise, product
 from pathlib import Path
 
@@ -205,8 +204,6 @@ def test_finite_rotations_wedge_a_block_that_small_ones_let_go() -> None:
     """It then slides as a whole, at a friction of mu over the sine of half the notch's angle."""
     model, tilt = tilts(structure(notch(1.0, 2.3), dry(0.84)), (1.0, 0.0, 0.0))
     small = relaxed_tilt(model, tilt, finite=False)
-    built = static_tilt(replace(model, finite=False), tilt).angle
-    assert small == pytest.approx(built, abs=0.3)
     slides = degrees(0.84 / math.cos(math.radians(30.0)))
     assert small < slides - 5.0
     assert static_tilt(model, tilt).angle == pytest.approx(slides, abs=0.7)

@@ -53,7 +53,7 @@ class JointAnswer:
         if fails and at.moved > FAR * self.joint.b:
             return (
                 f"{which}; blocks move by over {100 * FAR:g} % of a lock's width before a bond "
-                "fails: too soft to rely on"
+                "fails: too loose or too soft to rely on"
             )
         return f"{which}; beyond it pieces turn by over 2 degrees" if self.solution.turns else which
 

@@ -14,6 +14,8 @@ from sidmacib.mechanics.equilibrium import self_weight
 from sidmacib.problem import Problem
 from sidmacib.validation import refused, require_member
 
+SMOOTH = 1e-3  # friction that does not hold an upper block along locks that have turned
+
 
 class LoadShare(StrEnum):
     """The part of the upper block's lateral face that is loaded."""
@@ -50,8 +52,10 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     Permanent are self-weight and a given force or pressure that acts evenly on the top. The paper
     (section 3) applies a pressure that is uniform in z and linear in x to the lateral face of the
     upper block: its resultant is V at mid-length and the torque M about z. Each loaded piece takes
-    both in proportion to its height. The scale is the strength of the strongest lock, or without
-    cohesion the permanent loads on the free pieces; `CapacityError` if both are 0.
+    both in proportion to its height. Flanks turn with their locks, so that a part of V pushes the
+    upper block along them: where friction is at most `SMOOTH`, what pushes holds it. The scale is
+    the strength of the strongest lock, or without cohesion the permanent loads on the free pieces;
+    `CapacityError` if both are 0.
     """
     direction = loading.direction
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
@@ -77,7 +81,8 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
         raise CapacityError(
             "no capacity: the joint has no cohesion and no weight, and nothing presses on it"
         )
-    return Loads(permanent, variable, scale, tuple(sides))
+    guided = None if joint.dry.friction > SMOOTH else max(loaded)  # a main body is last
+    return Loads(permanent, variable, scale, tuple(sides), guided=guided)
 
 
 def _loaded(joint: Joint, loading: Loading) -> set[str]:

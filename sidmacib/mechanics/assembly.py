@@ -293,9 +293,10 @@ class Assembly:
 
     ``length`` (m) converts rotations to displacements and moments to forces. ``failure``: of all
     inner faces. ``mesh`` (m) and ``layout``: of the nodes, and of the finite elements of elastic
-    pieces. ``most_opening`` (m): of a face, before a bond fails. ``finite``: whether forces balance
-    where rigid pieces have moved to, or were built. ValueError unless lengths are above 0, and for
-    bonds with friction that are not brittle.
+    pieces. ``most_opening`` (m): of a face, before a bond fails. ``halfway``: whether frames
+    and nodes of faces are halfway between both pieces as these move, or turn with the piece below
+    and lie on that above. ValueError unless lengths are above 0, and for bonds with friction that
+    are not brittle.
     """
 
     pieces: tuple[Piece, ...]
@@ -306,7 +307,7 @@ class Assembly:
     mesh: float = math.inf
     layout: NodeLayout = NodeLayout.LOBATTO
     most_opening: float = math.inf
-    finite: bool = False
+    halfway: bool = False
 
     def __post_init__(self) -> None:
         require_positive(length=self.length)
@@ -371,7 +372,8 @@ class Loads:
     that is raised, per newton. ``scale`` (N): a load of the order of the capacity; the first
     increments are fractions of it. ``sides``: the parts of both that act on sides of pieces; the
     rest is spread over the volume, which matters only for elastic pieces. ``raised``: what the load
-    that is raised is. ValueError unless all numbers are finite and the scale above 0.
+    that is raised is. ``guided``: a piece that is held along x, where no friction holds any.
+    ValueError unless all numbers are finite and the scale above 0.
     """
 
     permanent: Floats
@@ -379,6 +381,7 @@ class Loads:
     scale: float
     sides: tuple[SideLoad, ...] = ()
     raised: Load = A_LOAD
+    guided: int | None = None
 
     def __post_init__(self) -> None:
         for name, forces in (("permanent", self.permanent), ("variable", self.variable)):

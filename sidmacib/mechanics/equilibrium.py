@@ -142,29 +142,38 @@ def unbalanced_forces(
     """Unbalanced force (N) and moment (N m) on each piece under ``load`` (N), (P, 6).
 
     ``force``: (N, 3) in N, what the piece below each node exerts on the piece above, in the frame
-    of the face. ``motion``: of the pieces since they were built, see `placed`; frames then turn
-    with the pieces below, and nodes are where the pieces above have moved. The moments are about
-    the pieces' centroids; fixed pieces have 0.
+    of the face. ``motion``: of the pieces since they were built, see `placed`; frames then
+    turn with the pieces below, and nodes are where the pieces above have moved, or both halfway.
+    The moments are about the pieces' centroids; fixed pieces have 0.
     """
     unbalanced = loads.at(load)
     below, above = np.array([(face.below, face.above) for face in assembly.faces])[
         assembly.nodes.face
     ].T
     centre = np.array([each.centre for each in assembly.pieces])
-    frames, arms = face_frames(assembly), assembly.nodes.position - centre[above]
+    frames, place = face_frames(assembly), assembly.nodes.position
     if motion is not None:
         rotation = importlib.import_module("scipy.spatial.transform").Rotation
-        turn = rotation.from_rotvec(motion[:, 3:]).as_matrix()
-        frames = frames @ np.swapaxes(turn, 1, 2)[below]
-        arms = np.einsum("nij,nj->ni", turn[above], arms)
-        centre = centre + motion[:, :3]
+        turns = rotation.from_rotvec(motion[:, 3:])
+        turn, quaternion = turns.as_matrix(), turns.as_quat(canonical=True)
+        share = 0.5 if assembly.halfway else 1.0
+        mean = share * quaternion[below] + (1.0 - share) * quaternion[above]
+        frames = frames @ np.swapaxes(rotation.from_quat(mean).as_matrix(), 1, 2)
+        moved = centre + motion[:, :3]
+        of_below, of_above = (
+            moved[each] + np.einsum("nij,nj->ni", turn[each], place - centre[each])
+            for each in (below, above)
+        )
+        place, centre = (1.0 - share) * of_below + share * of_above, moved
         permanent, raised = loads.levers()
         unbalanced[:, 3:] += moments_of((turn - np.eye(3)) @ (permanent + load * raised))
     on_above = np.einsum("nk,nkx->nx", force, frames)
     for piece, sign in ((above, 1.0), (below, -1.0)):
-        moment = np.cross(arms + centre[above] - centre[piece], on_above)
+        moment = np.cross(place - centre[piece], on_above)
         np.add.at(unbalanced, piece, sign * np.hstack([on_above, moment]))
     unbalanced[[i for i, each in enumerate(assembly.pieces) if each.fixed]] = 0.0
+    if loads.guided is not None:
+        unbalanced[loads.guided, 0] = 0.0
     return unbalanced
 
 

@@ -28,7 +28,7 @@ def signatures() -> dict[Any, Signature]:
     whole, start = np.zeros((1, 2), np.int64), np.zeros(2, np.int64)
     of_faces = plain, plain, start, cube, cube, whole
     of_triangles = np.zeros((1, 3), np.int64), plain[0], start
-    built = faces.ContactFaces(*of_faces, *of_triangles, cube, 1.0, False, 0, 0, 0)
+    built = faces.ContactFaces(*of_faces, *of_triangles, cube, 1.0, 1.0, 0, 1.0, 0, 0, 0)
     matrix, contacts, here = map(
         typeof, (linear.Matrix(plain, plain, plain), built, faces.new_point(built))
     )

@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from sidmacib.errors import CapacityError, NoEquilibriumError
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import NORMAL
 from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units, soft_law
@@ -51,6 +51,7 @@ DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than 
 # far it is moved before, so that it does not stay where rest is not stable.
 LEAP, FAR, NUDGE = 0.01, 0.05, 1e-9
 DRAG_AT_START = 0.1  # over the stiffness of the stiffest face, on pieces that drift
+AT_FIRST = 1e-3  # of the loads' scale: what may hold pieces that slide where nothing pushes
 PUSHED = 1e-3  # of the assembly's length: how far pieces are followed that move away
 # Stiffness of the stiffest face over that of the softest: above the first, rounding matters; above
 # the second, it decides. Faces far below the second are as good as rigid.
@@ -152,6 +153,8 @@ class RigidSolver(Solver):
     `CapacityError` if faces differ in stiffness by more than `MOST_STIFF`.
     """
 
+    finite = True
+
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
         order, self.contact_law = ordering(assembly), ContactLaw.of(assembly)
         laws = {face.material for face in assembly.faces}
@@ -171,11 +174,13 @@ class RigidSolver(Solver):
         self.matrix = _matrix(order)
         for each in (self.contacts, self.soft):
             whole_faces(each, self.here)
-        self.most_opening, self.careful = assembly.most_opening, False
-        self.finite = assembly.finite
-        self.bordered = _matrix(order, 1) if self.finite else self.matrix
-        self.place = (order.begin[:, None] + np.arange(RIGID)).ravel()
         self.free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
+        self.most_opening, self.careful = assembly.most_opening, False
+        inner = [face for face in assembly.faces if face.kind is Kind.INNER]
+        bonded = {piece for face in inner for piece in (face.below, face.above)}
+        self.drifts = not bonded.issuperset(self.free)
+        self.bordered = _matrix(order, 1)
+        self.place = (order.begin[:, None] + np.arange(RIGID)).ravel()
         self.turned = order.begin // RIGID  # of each free piece: its number in order
         self.size = assembly.length
         self.units, self.rows = row_units(assembly), free_rows(assembly)
@@ -195,12 +200,14 @@ class RigidSolver(Solver):
     def _carry(self, loads: Loads) -> None:
         loads.require_proportional()
         self.scale = loads.scale
+        guided = -1 if loads.guided is None else self.turned[self.free.index(loads.guided)] * RIGID
+        self.contacts, self.soft = (
+            each._replace(guided=guided) for each in (self.contacts, self.soft)
+        )
         self.levers = np.zeros((2, *self.here.turn.shape))
-        if self.finite:
-            self.levers[:, self.turned] = loads.levers()[:, self.free]
+        self.levers[:, self.turned] = loads.levers()[:, self.free]
         self.weight = self._inside(loads.permanent.ravel()[self.rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[self.rows] / self.units)
-        self.rest = self._elastic(self.contacts, self.weight)
         reach = (
             np.abs(self._elastic(self.soft, force)).max()
             for force in (self.weight, loads.scale * self.load)
@@ -208,15 +215,27 @@ class RigidSolver(Solver):
         self.largest_step = LARGEST_STEP * float(sum(reach))
 
     def start(self) -> Equilibrium:
-        """Equilibrium under the permanent loads alone."""
-        initial, rest = NodeState.initial(self.contact_law.cohesive), self._outside(self.rest)
+        """Equilibrium under the permanent loads alone.
+
+        Where no friction holds pieces, and none is found, under a small part of the load as well.
+        """
         try:
-            point = self.solve(0.0, rest, initial, thorough=True)
+            return self._start_at(0.0)
+        except NoEquilibriumError:
+            if self.contacts.guided < 0:
+                raise
+            return self._start_at(AT_FIRST * self.scale)
+
+    def _start_at(self, load: float) -> Equilibrium:
+        initial = NodeState.initial(self.contact_law.cohesive)
+        rest = self._outside(self._elastic(self.contacts, self.weight + load * self.load))
+        try:
+            point = self.solve(load, rest, initial, thorough=True)
         except NoEquilibriumError:
             point = None
         if point is None or not self.stable(point):
             self.careful = True  # the pieces drift from where they were built
-            return self.solve(0.0, np.zeros_like(rest), initial, thorough=True)
+            return self.solve(load, np.zeros_like(rest), initial, thorough=True)
         return point
 
     def solve(
@@ -225,8 +244,8 @@ class RigidSolver(Solver):
         """Equilibrium at ``load`` (N), from a ``guess`` of the displacements and the nodes' state.
 
         Raises `NoEquilibriumError` where Newton's method finds none nearby and, if ``thorough``,
-        pieces that drift from there do not come to rest, or at small displacements rounds of given
-        friction limits find none either.
+        neither do rounds of given friction limits where bonds keep all pieces near; elsewhere
+        pieces that drift from there do not come to rest.
         """
         target = self._applied(load)
         allowed = self.residual * float(np.abs(target.wrench).max())
@@ -235,16 +254,17 @@ class RigidSolver(Solver):
         limits = self.floor, allowed, self.largest_step
         nodes = begin, slip, state.whole, limits
         found = newton(*solved, *nodes, QUICK) or newton(*solved, *nodes, PATIENT)
-        if found and self.finite:
+        if found:
             found = float(np.abs(here.unknowns - begin).max()) <= LEAP * self.size
             found = found and not (self.careful and self._falls(target, slip, state.whole))
-        if not found and thorough and self.finite:
+        if not found and thorough and self.drifts:
             drifts = DRAG_AT_START * self.stiffness, self.floor, allowed, FAR * self.size
             found = settled(*solved, begin + self.nudge, slip, state.whole, drifts)
             found = found and not self._falls(target, slip, state.whole)
         elif not found and thorough:
             at_nodes = slip, state.whole, self.stiffness
             found = by_rounds(EquilibriumSearch(*solved, *at_nodes, *limits), begin)
+            found = found and not (self.careful and self._falls(target, slip, state.whole))
         if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         return self._found(load, slip, state)
@@ -279,15 +299,12 @@ class RigidSolver(Solver):
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
         rotation, moved = farthest_motion(unknowns)
-        if self.finite:
-            rotation = 2.0 * math.atan(rotation / 2.0)
+        rotation = 2.0 * math.atan(rotation / 2.0)
         far = -float(here.moved[0].min()), float(here.moved[0].max())
         return Equilibrium(load, unknowns, displacement, force.T, after, rotation, moved, *far)
 
     def stable(self, point: Equilibrium) -> bool:
         """Whether the pieces return to ``point`` where they are moved a little."""
-        if not self.finite:
-            return True
         target, slip = self._applied(point.load), components(point.state.slip)
         begin = self._inside(point.unknowns * self.units)
         put_at(self.contacts, slip, point.state.whole, target, self.here, begin)
@@ -377,7 +394,9 @@ def _contact_faces(assembly: Assembly, law: ContactLaw, order: Ordering) -> Cont
         np.searchsorted(of_triangle, np.arange(len(axes) + 1)),
         np.zeros((len(ends), 6, 6)),
         assembly.length,
-        assembly.finite,
+        0.5 if assembly.halfway else 1.0,
+        -1,
+        float(normal.max()) * assembly.length**2,
         order.inner,
         order.outer,
         order.band,

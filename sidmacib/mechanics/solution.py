@@ -41,14 +41,15 @@ class Solver:
     """Finds equilibria of an assembly along a path of loading.
 
     ``contact_law``: of its nodes. ``scale``: of its loads, in N. ``size``: of the pieces, in m.
-    ``finite``: whether it follows them as they move. ``precision``: of the loads at which a path
+    ``finite``: whether it follows them as they move, and ``drifts``: whether it looks for places
+    where pieces that drift away come to rest. ``precision``: of the loads at which a path
     turns, over them. ``most_opening``: of a face, see `sidmacib.mechanics.assembly.Assembly`, in m.
     ``fell``: load (N) of the last top of a path beyond which pieces did not come to rest elsewhere.
     """
 
     contact_law: ContactLaw
     scale: float
-    size, finite = math.inf, False
+    size, finite, drifts = math.inf, False, False
     precision = LEAST_INCREMENT
     fell = math.nan
     most_opening = math.inf
@@ -95,7 +96,7 @@ class OtherSearches(Solver):
         self.solver, self.contact_law = solver, solver.contact_law
         self.scale, self.precision = solver.scale, solver.precision
         self.most_opening, self.size = solver.most_opening, solver.size
-        self.finite = solver.finite
+        self.finite, self.drifts = solver.finite, solver.drifts
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""

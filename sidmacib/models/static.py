@@ -33,5 +33,5 @@ def _outcome(assembly: Assembly, solution: StaticSolution, spread: float | None)
 
 def state_of(assembly: Assembly, point: Equilibrium, load: float) -> State:
     """An equilibrium of ``assembly`` as a state at a ``load`` (N)."""
-    motion = placed(assembly, point.unknowns) if assembly.finite else None
+    motion = placed(assembly, point.unknowns) if not assembly.elastic else None
     return State(float(load), point.displacement, point.force, point.state.bonded, motion)

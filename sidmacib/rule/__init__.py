@@ -34,7 +34,8 @@ from sidmacib.rule.spans import STIFF, require_covered, require_row, spans_of
 # Cells along the shorter side of a lock. Two, so that dry faces may open in part; more show how far
 # a load depends on them. Elastic blocks cost more, and three nodes a side represent their bending.
 COARSE, FINE = 2, 4
-FINEST = 6  # for dry faces so stiff that four cells may not be enough
+FINEST = 6  # where four cells may not be enough: dry faces that are stiff, or joints that slide
+MESHES = COARSE, FINE, FINEST
 ELASTIC, FINE_ELASTIC = 1, 2
 SAFETY, SAFETY_ELASTIC = 1.06, 1.12  # on strengths, and on a load at which a joint slides or rocks
 SHUT = 0.7  # of the opening at which locks come apart, which differs by a quarter between meshes
@@ -50,7 +51,7 @@ MOVES = {
     Mode.ROCKING: "rocks before a bond fails",
     Mode.APART: "locks come apart before a bond fails",
 }
-HELD = Mode.BONDS, Mode.APART  # until there; a joint that slides or rocks moves any way at its load
+MOVED = Mode.MECHANISM, Mode.ROCKING  # any way, at the load
 
 
 @dataclass(frozen=True)
@@ -107,11 +108,11 @@ def first_failure(
         if failure.mode is not Mode.BONDS:
             why = "carry nothing in this direction: the upper block moves freely"
         raise CapacityError(f"law: {joint.locks} locks {why}")
-    if failure.mode in HELD and failure.point.moved > FAR * joint.b:
+    if failure.mode not in MOVED and failure.point.moved > FAR * joint.b:
         raise CapacityError(
             f"law: blocks move by {failure.point.moved / joint.b:.2g} of a lock's width before a "
-            f"bond fails, more than {FAR:g}: faces are too soft for forces that are balanced where "
-            "blocks were built; give stiffer faces, or ask yade"
+            f"bond fails, more than {FAR:g}, so that they bear on less than is computed; hold the "
+            "joint down, or give stiffer faces, or ask yade"
         )
     point, nodes, order = failure.point, assembly.nodes, roots(joint, assembly)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
@@ -179,8 +180,9 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
     require_covered(joint)
     loading = Loading(direction, push=push)
     found = first_failure(joint, loading)
-    if joint.elastic is not None and found.mode is Mode.ROCKING:  # one cell cannot rock
-        found = first_failure(joint, loading, FINE_ELASTIC)
+    if found.mode in MOVED:  # how far it moves before it slides or rocks depends on the mesh
+        finer = FINE if joint.elastic is None else FINE_ELASTIC
+        found = first_failure(joint, loading, finer)
     return capacity_of(joint, direction, found.load, found.mode)
 
 
@@ -233,13 +235,21 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     joint moves.
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
-    stiff as roots. Errors of `law`.
+    stiff as roots, or where friction alone holds the joint. Errors of `law`.
     """
     require_covered(joint)
     margin, loading = margin_of(joint), Loading(direction, push=push)
     weak = weakened(joint, margin)
-    rough = _on_meshes(weak, loading)
-    modes = {each.mode for each in rough}
+    meshes = _meshes(joint)
+    rough = _on_meshes(weak, loading, meshes)
+    modes, without = {each.mode for each in rough}, []
+    if moves := not modes.isdisjoint(MOVED):
+        smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
+        with suppress(CapacityError):
+            without = _on_meshes(smooth, loading, meshes)
+    if moves and not without and joint.elastic is None:  # friction alone holds it: how far it turns
+        meshes = MESHES  # before it slides depends on the mesh
+        rough = _on_meshes(weak, loading, meshes)
     mode = min(rough, key=lambda each: each.load).mode
 
     def way(failures: Sequence[JointFailure], divisor: float = 1.0) -> WeakFailure:
@@ -248,15 +258,13 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     if modes == {Mode.BONDS}:
         return way(rough)
     ways = [way(rough, margin)]
-    if not modes.isdisjoint((Mode.MECHANISM, Mode.ROCKING)):
-        smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
-        with suppress(CapacityError):  # friction alone holds it, and is used up where it moves
-            ways.append(way(_on_meshes(smooth, loading), path_of(joint)))
+    if without:
+        ways.append(way(without, path_of(joint)))
     least, used = min(ways, key=lambda way: way.load), min(each.bonds.max() for each in rough)
     if used > NOTHING:
         with suppress(CapacityError):
             weaker = weakened(joint, JUST_BEFORE * margin / used)
-            failing = _on_meshes(weakened(weaker, margin), loading)
+            failing = _on_meshes(weakened(weaker, margin), loading, meshes)
             if all(each.mode is Mode.BONDS for each in failing):
                 most = first_failure(weaker, loading).load / path_of(joint)
                 loads = tuple(min(each.load, most) for each in failing)
@@ -264,8 +272,8 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     return least
 
 
-def _on_meshes(joint: Joint, loading: Loading) -> list[JointFailure]:
-    return [first_failure(joint, loading, cells, SHUT) for cells in _meshes(joint)]
+def _on_meshes(joint: Joint, loading: Loading, meshes: Sequence[int]) -> list[JointFailure]:
+    return [first_failure(joint, loading, cells, SHUT) for cells in meshes]
 
 
 def _meshes(joint: Joint) -> tuple[int, ...]:
@@ -273,7 +281,7 @@ def _meshes(joint: Joint) -> tuple[int, ...]:
     if joint.elastic is not None:
         return ELASTIC, FINE_ELASTIC
     stiff = spans_of(joint)[STIFF] > STIFFER
-    return (COARSE, FINE, FINEST) if stiff else (COARSE, FINE)
+    return MESHES if stiff else MESHES[:2]
 
 
 def safe_at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> float:

@@ -101,7 +101,6 @@ def structure(
         mesh=mesh,
         layout=nodes,
         most_opening=opening,
-        finite=True,
     )
 
 

@@ -65,7 +65,7 @@ def node_tangent(normal, shear, friction, given, whole, d0, d1, d2):
     In this order: of the normal force by d0, of the shear forces (1, 2) by d0, of 1 by d1, of 1 by
     d2 (the same as of 2 by d1), of 2 by d2.
     """
-    closed, bonded, square = d0 > 0.0, whole > 0.0, d1 * d1 + d2 * d2
+    closed, bonded, square = d0 >= 0.0, whole > 0.0, d1 * d1 + d2 * d2  # closed as built
     cone = friction * normal * (d0 if closed else 0.0) + given
     rigid = bonded or ((closed or given > 0.0) and shear * shear * square <= cone * cone)
     over = 0.0 if rigid or square == 0.0 else 1.0 / np.sqrt(square)

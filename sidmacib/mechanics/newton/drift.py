@@ -46,10 +46,7 @@ def settled(contacts, matrix, here, target, guess, slip, whole, limits):
         tries = drifted(contacts, matrix, here, target, slip, whole, drift, (drag, enough, most))
         if not farthest(here.unknowns, guess) <= most or drag > MOST_DRAG * limits[0]:
             return False
-        stays = tries < TRIES
-        if stays and contacts.finite:
-            stays = not falls(contacts, slip, whole, target, matrix, here, drag)
-        if not stays:
+        if tries == TRIES or falls(contacts, slip, whole, target, matrix, here, drag):
             stepped(contacts, slip, whole, target, here, rest, drift, 0.0)
             drag *= SLOWER
             continue

@@ -6,15 +6,16 @@ of its centroid and the Gibbs vector of its rotation, 2 tan(theta / 2) along the
 assembly's length, from ``ContactFaces.begin`` on. Moments are divided by the length: forces are in
 N and stiffnesses in N/m.
 
-Where displacements are finite, nodes, frames and arms are where the pieces have moved to. The frame
-of a face turns with the piece below; its nodes are points of the piece above, which rest on it.
-With R the rotation and c the centroid of a piece and F the frame,
+Nodes, frames and arms are where the pieces have moved to. With R the rotation and c the centroid of
+a piece, and F the frame of a face,
 
     x = c + R (X - C),   delta = F' (x_below - x_above),   force on the piece above: F s(delta)
 
-in both pieces at the point of the piece above. The rate of delta is then the relative velocity of
-the two pieces at this point, so that forces do the work of the springs. Where displacements are
-small, all of this is linear, and frames and arms stay as they were built.
+The frame turns with the piece below, and forces act at nodes of the piece above, which rests on it;
+or both are halfway between the pieces, of which none is preferred. The rate of delta is then the
+relative velocity of the two pieces at the node, so that forces do the work of the springs: also
+where the frame turns by any ``share`` of the piece below, and the rest of that above, if nodes are
+as far from that above.
 """
 
 # mypy: allow-untyped-defs
@@ -42,8 +43,9 @@ class ContactFaces(NamedTuple):
     and the first of each face, then their number, (F + 1,): on a face that has some, pressure is
     integrated over their pressed parts, see `put_pressed`. A face without has springs at its nodes.
     ``whole``: stiffness (N/m) by a face's motion while all its bonds are whole, (F, 6, 6).
-    ``length``: of the assembly, m. ``finite``: whether frames and arms follow the pieces; if not,
-    displacements are small, and everything stays where it was built.
+    ``length``: of the assembly, m. ``share``: of the piece below in how frames turn, 1 or 1/2.
+    ``guided``: the unknown that a guide holds by a ``guide`` (N/m),
+    -1 for none.
     The ``inner`` unknowns come first; those coupled by the stiffness are at most ``band`` apart.
     The ``outer`` unknowns follow and may be coupled to all others.
     """
@@ -59,7 +61,9 @@ class ContactFaces(NamedTuple):
     first_triangle: Integers
     whole: Floats
     length: float
-    finite: bool
+    share: float
+    guided: int
+    guide: float
     inner: int
     outer: int
     band: int
@@ -80,22 +84,25 @@ class Point(NamedTuple):
     """Where the pieces are, and what that makes of the nodes.
 
     ``unknowns`` in m, (U,). ``turn``: rotation less identity of each free piece, (U / 6, 3, 3).
-    ``apart``: displacement of the middle of each face (m), of the piece below relative to that
-    above, and its gradients along p and q, (F, 3, 3). ``frame``: normal and tangents of each face,
-    (F, 3, 3). ``arms``: from the centroids of both pieces to the middle on the one below (m),
-    (F, 2, 3). ``moved``: displacements of the nodes in the frame (m), (3, N). ``force`` of the
-    nodes in N, (3, N). ``sums`` of these and of them times place, (F, 4, 3): the force, and three
-    rows of place by force. ``residual`` in N, what the nodes leave of the forces on the pieces,
-    (U,). ``pressed``: integrals over the pressed parts of triangles by nodes, and what these grow
-    by, see `put_pressed`, (6, N). ``tangent``: derivatives of `node_tangent` in N/m for the nodes
-    of one face at a time, (6, most nodes).
+    ``mean``: that of the frame of one face at a time, (3, 3). ``apart``: displacement
+    of the middle of each face (m), of the piece below relative to that above, and its gradients
+    along p and q, (F, 3, 3). ``frame``: normal and tangents of each face, (F, 3, 3). ``arms``: from
+    the centroids of both pieces to the middle of the face (m), (F, 2, 3). ``along``: how places of
+    nodes grow by p and q, in the frame, (F, 2, 3). ``moved``: displacements of the nodes in the
+    frame (m), (3, N). ``force`` of the nodes in N, (3, N). ``sums`` of these and of them times
+    place, (F, 4, 3): the force, and three rows of place by force. ``residual`` in N, what the nodes
+    leave of the forces on the pieces, (U,). ``pressed``: integrals over the pressed parts of
+    triangles by nodes, and what these grow by, see `put_pressed`, (6, N). ``tangent``: derivatives
+    of `node_tangent` in N/m for the nodes of one face at a time, (6, most nodes).
     """
 
     unknowns: Floats
     turn: Floats
+    mean: Floats
     apart: Floats
     frame: Floats
     arms: Floats
+    along: Floats
     moved: Floats
     force: Floats
     sums: Floats
@@ -111,9 +118,11 @@ def new_point(contacts: ContactFaces) -> Point:
     return Point(
         unknowns=np.empty(size),
         turn=np.empty((size // 6, 3, 3)),
+        mean=np.empty((3, 3)),
         apart=np.empty((faces, 3, 3)),
         frame=contacts.axes.copy(),
         arms=contacts.levers.copy(),
+        along=np.empty((faces, 2, 3)),
         moved=np.empty(nodes),
         force=np.empty(nodes),
         sums=np.empty((faces, 4, 3)),
@@ -124,14 +133,13 @@ def new_point(contacts: ContactFaces) -> Point:
 
 
 @compiled
-def put_turn(x, y, z, finite, turn):
+def put_turn(x, y, z, turn):
     """Put the rotation of the Gibbs vector (x, y, z), less identity, into ``turn``, (3, 3).
 
-    In rational numbers, so that it has the same digits on every processor. To first order if it is
-    not ``finite``.
+    In rational numbers, so that it has the same digits on every processor.
     """
-    share = 1.0 / (1.0 + (x * x + y * y + z * z) / 4.0) if finite else 1.0
-    half = share / 2.0 if finite else 0.0
+    share = 1.0 / (1.0 + (x * x + y * y + z * z) / 4.0)
+    half = share / 2.0
     turn[0, 0], turn[1, 1] = -half * (y * y + z * z), -half * (x * x + z * z)
     turn[2, 2] = -half * (x * x + y * y)
     turn[0, 1], turn[1, 0] = half * x * y - share * z, half * x * y + share * z
@@ -151,7 +159,7 @@ def put_pieces(contacts, here):
     """Fill in rotations and the displacements of faces by the unknowns of ``here``."""
     for piece in range(len(here.turn)):
         x, y, z = gibbs(here.unknowns, piece, 1.0 / contacts.length)
-        put_turn(x, y, z, contacts.finite, here.turn[piece])
+        put_turn(x, y, z, here.turn[piece])
     here.apart[:] = 0.0
     for face in range(len(contacts.begin)):
         for side in range(2):
@@ -185,11 +193,9 @@ def advance(contacts, here, start, step, share):
         i = 6 * piece
         a, b, c = gibbs(step, piece, share / contacts.length)
         x, y, z = gibbs(start.unknowns, piece, 1.0 / contacts.length)
-        put_turn(a, b, c, contacts.finite, move[piece])
-        over, u, v, w = 1.0, 0.0, 0.0, 0.0
-        if contacts.finite:
-            over = 1.0 / (1.0 - (a * x + b * y + c * z) / 4.0)
-            u, v, w = cross((a, b, c), (x, y, z))
+        put_turn(a, b, c, move[piece])
+        over = 1.0 / (1.0 - (a * x + b * y + c * z) / 4.0)
+        u, v, w = cross((a, b, c), (x, y, z))
         here.unknowns[i + 3] = contacts.length * (over * (a + x + u / 2.0))
         here.unknowns[i + 4] = contacts.length * (over * (b + y + v / 2.0))
         here.unknowns[i + 5] = contacts.length * (over * (c + z + w / 2.0))
@@ -198,7 +204,7 @@ def advance(contacts, here, start, step, share):
         # The rotation of this step times those before it, all less identity.
         for k in range(3):
             column = start.turn[piece, 0, k], start.turn[piece, 1, k], start.turn[piece, 2, k]
-            moved = times(move[piece], column) if contacts.finite else (0.0, 0.0, 0.0)
+            moved = times(move[piece], column)
             for j in range(3):
                 here.turn[piece, j, k] = column[j] + move[piece, j, k] + moved[j]
     for face in range(len(contacts.begin)):
@@ -220,7 +226,7 @@ def add_step(contacts, here, start, face, side, move):
     sign, axes, apart = 1.0 - 2.0 * side, contacts.axes[face], here.apart[face]
     before = start.turn[contacts.begin[face, side] // 6]
     for row, arm in enumerate((contacts.levers[face, side], axes[1], axes[2])):
-        turned = times(before, arm) if contacts.finite else (0.0, 0.0, 0.0)
+        turned = times(before, arm)
         moved = times(move, (arm[0] + turned[0], arm[1] + turned[1], arm[2] + turned[2]))
         for k in range(3):
             apart[row, k] += sign * moved[k]
@@ -230,8 +236,7 @@ def add_step(contacts, here, start, face, side, move):
 def put_nodes(contacts, here):
     """Fill in the displacements of the nodes, and frames and arms that follow the pieces."""
     for face in range(len(contacts.begin)):
-        if contacts.finite:
-            put_frame(contacts, face, here)
+        put_frame(contacts, face, here)
         put_displacements(contacts, face, here)
 
 
@@ -243,14 +248,37 @@ def put_frame(contacts, face, here):
         i, lever = contacts.begin[face, side], contacts.levers[face, side]
         moved = times(here.turn[i // 6], lever) if i >= 0 else (0.0, 0.0, 0.0)
         for j in range(3):  # of the piece above: to the middle on the piece below
-            arms[side, j] = lever[j] + moved[j] + side * apart[0, j]
+            arms[side, j] = lever[j] + moved[j] + (side - contacts.share) * apart[0, j]
+    put_mean_turn(contacts, face, here)
     below = contacts.begin[face, 0]
-    if below >= 0:
-        for k in range(3):
-            axis = contacts.axes[face, k]
-            turned = times(here.turn[below // 6], axis)
-            for j in range(3):
-                frame[k, j] = axis[j] + turned[j]
+    for k in range(3):
+        axis = contacts.axes[face, k]
+        turned = times(here.mean, axis)
+        for j in range(3):
+            frame[k, j] = axis[j] + turned[j]
+    for k in range(2):
+        axis = contacts.axes[face, 1 + k]
+        turned = times(here.turn[below // 6], axis) if below >= 0 else (0.0, 0.0, 0.0)
+        for j in range(3):
+            here.along[face, k, j] = dot(axis, frame[j]) + dot(turned, frame[j])
+            here.along[face, k, j] -= contacts.share * dot(apart[1 + k], frame[j])
+
+
+@compiled
+def put_mean_turn(contacts, face, here):
+    """Put the rotation of the frame of a ``face``, less identity, into ``here.mean``.
+
+    Halfway between the pieces it is the mean of their unit quaternions.
+    """
+    x = y = z = whole = 0.0
+    for side in range(2):
+        u = v = w = 0.0
+        i = contacts.begin[face, side]
+        if i >= 0:
+            u, v, w = gibbs(here.unknowns, i // 6, 1.0 / contacts.length)
+        part = abs(side - contacts.share) / np.sqrt(1.0 + (u * u + v * v + w * w) / 4.0)
+        x, y, z, whole = x + part * u, y + part * v, z + part * w, whole + part
+    put_turn(x / whole, y / whole, z / whole, here.mean)
 
 
 @compiled
@@ -283,6 +311,8 @@ def unbalanced(contacts, slip, whole, target, here):
         add_turned(
             target.levers[piece], here.turn[piece], 6 * piece + 3, contacts.length, here.residual
         )
+    if contacts.guided >= 0:
+        here.residual[contacts.guided] -= contacts.guide * here.unknowns[contacts.guided]
     put_forces(contacts.law, slip, whole, here.moved, here.force)
     for face in range(len(contacts.begin)):
         if contacts.first_triangle[face + 1] > contacts.first_triangle[face]:
@@ -310,23 +340,18 @@ def add_turned(levers, turn, row, length, forces):
 def resultant(contacts, face, here):
     """Fill in ``here.sums`` of a face: the force, and the sums of place (rows) times force (N m).
 
-    Places are those of the nodes from the middle on the piece below, in the frame.
+    Places are those of the nodes from the middle, in the frame.
     """
     sums, force = here.sums[face], here.force
-    away = -1.0 * contacts.finite  # a node is at its place, and moved this way from it
     for k in range(3):
         whole = by_p = by_q = 0.0
         for node in range(contacts.start[face], contacts.start[face + 1]):
             whole += force[k, node]
             by_p += contacts.places[0, node] * force[k, node]
             by_q += contacts.places[1, node] * force[k, node]
-        sums[0, k], sums[1, k] = whole, 0.0
-        sums[2, k], sums[3, k] = by_p, by_q
+        sums[0, k] = whole
         for j in range(3):
-            axis = here.frame[face, j]
-            moved = dot(here.apart[face, 0], axis) * whole
-            moved += dot(here.apart[face, 1], axis) * by_p + dot(here.apart[face, 2], axis) * by_q
-            sums[1 + j, k] += away * moved
+            sums[1 + j, k] = here.along[face, 0, j] * by_p + here.along[face, 1, j] * by_q
 
 
 @compiled

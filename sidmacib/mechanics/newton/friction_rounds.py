@@ -10,7 +10,7 @@ obeys the same contact law as any other.
 If the pieces are not held even by limits that are never reached, there is no equilibrium. The
 search also ends if the limits of some rounds in a row do not hold them: the pieces move away.
 
-Of pieces at small displacements; see `sidmacib.mechanics.newton.drift` for others.
+Of pieces that bonds keep near; see `sidmacib.mechanics.newton.drift` for others.
 """
 
 import math

@@ -145,19 +145,7 @@ def put_pressed_forces(contacts, face, slip, here):
 def pressed_stiffness(contacts, face, slip, here, rise, k):
     """`face_stiffness` of a face with triangles; ``rise``: see `tangent_stiffness`."""
     k[:] = 0.0
-    law, frame, apart = contacts.law, here.frame[face], here.apart[face]
-    away, rows = -1.0 * contacts.finite, np.zeros((3, 6))
-    # Places of the nodes, as linear functions of p and q.
-    y_0, y_p, y_q = (
-        away * dot(apart[0], frame[1]),
-        1.0 + away * dot(apart[1], frame[1]),
-        away * dot(apart[2], frame[1]),
-    )
-    z_0, z_p, z_q = (
-        away * dot(apart[0], frame[2]),
-        away * dot(apart[1], frame[2]),
-        1.0 + away * dot(apart[2], frame[2]),
-    )
+    law, along, rows = contacts.law, here.along[face], np.zeros((3, 6))
     for node in range(contacts.start[face], contacts.start[face + 1]):
         by_gap, by_p, by_q = here.pressed[0, node], here.pressed[1, node], here.pressed[2, node]
         if by_gap <= 0.0:
@@ -172,20 +160,16 @@ def pressed_stiffness(contacts, face, slip, here, rise, k):
             over = law[SHEAR, node] / law[NORMAL, node]
             grow_1, grow_2 = over * d1, over * d2
         rise_1, rise_2, grow_1, grow_2 = rise * rise_1, rise * rise_2, rise * grow_1, rise * grow_2
-        p, q = contacts.places[0, node], contacts.places[1, node]
-        x = away * here.moved[0, node]
-        y, z = y_0 + y_p * p + y_q * q, z_0 + z_p * p + z_q * q
-        turn_y = z_0 * by_gap + z_p * by_p + z_q * by_q
-        turn_z = -(y_0 * by_gap + y_p * by_p + y_q * by_q)
-        put(rows[0], by_gap, 0.0, 0.0, 0.0, turn_y, turn_z)
-        edge, by_p, by_q = here.pressed[3, node], here.pressed[4, node], here.pressed[5, node]
-        edge_y = z_0 * edge + z_p * by_p + z_q * by_q
-        edge_z = -(y_0 * edge + y_p * by_p + y_q * by_q)
+        x, y, z = place(along, contacts.places[0, node], contacts.places[1, node])
+        _, by_z, by_y = place(along, by_p, by_q)
+        put(rows[0], by_gap, 0.0, 0.0, 0.0, by_y, -by_z)
+        edge = here.pressed[3, node]
+        _, edge_z, edge_y = place(along, here.pressed[4, node], here.pressed[5, node])
         gap_1, gap_2 = rise_1 * by_gap + grow_1 * edge, rise_2 * by_gap + grow_2 * edge
-        by_y, by_z = rise_1 * turn_y + grow_1 * edge_y, rise_1 * turn_z + grow_1 * edge_z
-        put(rows[1], gap_1, t11, t12, y * t12 - z * t11, by_y - x * t12, by_z + x * t11)
-        by_y, by_z = rise_2 * turn_y + grow_2 * edge_y, rise_2 * turn_z + grow_2 * edge_z
-        put(rows[2], gap_2, t12, t22, y * t22 - z * t12, by_y - x * t22, by_z + x * t12)
+        a, b = rise_1 * by_y + grow_1 * edge_y, -rise_1 * by_z - grow_1 * edge_z
+        put(rows[1], gap_1, t11, t12, y * t12 - z * t11, a - x * t12, b + x * t11)
+        a, b = rise_2 * by_y + grow_2 * edge_y, -rise_2 * by_z - grow_2 * edge_z
+        put(rows[2], gap_2, t12, t22, y * t22 - z * t12, a - x * t22, b + x * t12)
         for column in range(6):
             a, b, c = cross((x, y, z), (rows[0, column], rows[1, column], rows[2, column]))
             k[0, column] += rows[0, column]
@@ -194,3 +178,13 @@ def pressed_stiffness(contacts, face, slip, here, rise, k):
             k[3, column] += a
             k[4, column] += b
             k[5, column] += c
+
+
+@compiled
+def place(along, p, q):
+    """The place in the frame of what is ``p`` and ``q`` along the tangents as built."""
+    return (
+        along[0, 0] * p + along[1, 0] * q,
+        along[0, 1] * p + along[1, 1] * q,
+        along[0, 2] * p + along[1, 2] * q,
+    )

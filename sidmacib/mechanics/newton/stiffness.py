@@ -9,15 +9,15 @@ import numpy as np
 
 from sidmacib.mechanics.compilation import compiled
 from sidmacib.mechanics.contact_law.kernels import all_bonded, put_tangents
-from sidmacib.mechanics.newton.pressed import pressed_stiffness
+from sidmacib.mechanics.newton.pressed import place, pressed_stiffness
 from sidmacib.mechanics.newton.vectors import cross, put, together
 
 
 @compiled
-def face_stiffness(contacts, face, moved, tangent, k):
+def face_stiffness(contacts, face, along, tangent, k):
     """Put the derivative of the face's forces by its motion into ``k``, (6, 6).
 
-    ``moved``: displacements of all nodes (m), (3, N); ``tangent``: of those of the face, see
+    ``along``: see `sidmacib.mechanics.newton.faces.Point`; ``tangent``: of its nodes, see
     `put_tangents`. Nodes with a stiffness are next to the plane of the face.
     """
     # Sums over nodes, also times p and q: normal forces by normal displacements, shear forces by
@@ -25,10 +25,10 @@ def face_stiffness(contacts, face, moved, tangent, k):
     n = n_p = n_q = n_pp = n_pq = n_qq = 0.0
     y = y_p = y_q = z = z_p = z_q = turn = turn_p = turn_q = 0.0
     yy = yz = zz = y_turn = z_turn = turns = 0.0
-    first, away = contacts.start[face], -1.0 * contacts.finite
+    first = contacts.start[face]
     for node in range(first, contacts.start[face + 1]):
-        p = contacts.places[0, node] + away * moved[1, node]
-        q, i = contacts.places[1, node] + away * moved[2, node], node - first
+        p, q, i = contacts.places[0, node], contacts.places[1, node], node - first
+        _, p, q = place(along, p, q)
         t00, t10, t20 = tangent[0, i], tangent[1, i], tangent[2, i]
         t11, t12, t22 = tangent[3, i], tangent[4, i], tangent[5, i]
         if t00 == 0.0 and t11 == 0.0 and t22 == 0.0:  # open
@@ -79,6 +79,10 @@ def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, rise):
     matrix.band[:, contacts.band] = floor
     for i in range(contacts.outer):
         matrix.below[i, contacts.inner + i] = floor
+    if contacts.guided >= contacts.inner:
+        matrix.below[contacts.guided - contacts.inner, contacts.guided] += contacts.guide
+    elif contacts.guided >= 0:
+        matrix.band[contacts.guided, contacts.band] += contacts.guide
     for piece in range(len(here.turn)):
         if target.levers[piece].any():
             subtract_lever(contacts, piece, target.levers[piece], here.turn[piece], matrix)
@@ -94,10 +98,9 @@ def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, rise):
             for i in range(last - first):
                 here.tangent[1, i] *= rise
                 here.tangent[2, i] *= rise
-            face_stiffness(contacts, face, here.moved, here.tangent, k)
+            face_stiffness(contacts, face, here.along[face], here.tangent, k)
         by_pieces(contacts, face, now, here, blocks)
-        if contacts.finite:
-            add_turns(contacts, face, here, blocks)
+        add_turns(contacts, face, here, blocks)
         add_face(contacts, matrix, face, blocks)
 
 
@@ -117,11 +120,11 @@ def whole_faces(contacts, here):
     ``here``: a point, which is overwritten.
     """
     slip, whole = all_bonded(contacts.places.shape[1])
-    here.moved[:] = 0.0
+    here.moved[:], plane = 0.0, np.eye(3)[1:]
     for face in range(len(contacts.begin)):
         first, last = contacts.start[face], contacts.start[face + 1]
         put_tangents(contacts.law, first, last, slip, whole, here.moved, here.tangent)
-        face_stiffness(contacts, face, here.moved, here.tangent, contacts.whole[face])
+        face_stiffness(contacts, face, plane, here.tangent, contacts.whole[face])
 
 
 @compiled
@@ -164,14 +167,16 @@ def by_pieces(contacts, face, k, here, blocks):
 def add_turns(contacts, face, here, blocks):
     """Add to ``blocks`` what forces of ``face`` that stay change as frame and arms turn and move.
 
-    Frame and force turn with the piece below, their place moves with that above. With f the force
-    on the piece above at the arm r from its centroid, f changes by phi x f as the piece below
-    turns by phi, and the moments about both centroids by
+    With f the force on the piece above, at the arms r from its centroid and s from that of the
+    piece below, and w the ``share`` of this in how frames turn, f changes by psi x f, and the
+    moments about both centroids by
 
-        (phi_above x r) x f + r x (phi x f)
-        (v_above + phi_above x r - v) x f + r' x (phi x f)
+        ((1 - w) (v_below - v_above) + u) x f + r x (psi x f)
+        (w (v_above - v_below) + u) x f + s x (psi x f)
 
-    the second with opposite sign, and arms r' from the centroid of the piece below.
+        psi = w phi_below + (1 - w) phi_above,   u = (1 - w) phi_below x s + w phi_above x r
+
+    the second with opposite sign.
     """
     frame, sums, over = here.frame[face], here.sums[face], 1.0 / contacts.length
     force = together(frame, sums[0, 0], sums[0, 1], sums[0, 2])
@@ -186,18 +191,16 @@ def add_turns(contacts, face, here, blocks):
         for j in range(3):
             lower[j, k] = column[j] + here.arms[face, 0, j] * force[k]
             upper[j, k] = column[j] + here.arms[face, 1, j] * force[k]
-    square, below, above = over * over, contacts.begin[face, 0] >= 0, contacts.begin[face, 1] >= 0
-    if above:
-        add_square(blocks[1, 1], upper, -square, False)
-    if below:
-        add_cross(blocks[0, 0], 0, 3, force, -over)
-        add_cross(blocks[0, 0], 3, 0, force, over)
-        add_square(blocks[0, 0], lower, -square, True)
-    if below and above:
-        add_cross(blocks[1, 0], 0, 3, force, over)
-        add_square(blocks[1, 0], upper, square, True)
-        add_cross(blocks[0, 1], 3, 0, force, -over)
-        add_square(blocks[0, 1], upper, square, False)
+    for left in range(2):
+        sign, moves = 2.0 * left - 1.0, abs(left - contacts.share)
+        for right in range(2):
+            if contacts.begin[face, left] >= 0 and contacts.begin[face, right] >= 0:
+                block, square = blocks[left, right], sign * over * over
+                turns = abs(right - contacts.share)
+                add_cross(block, 0, 3, force, sign * turns * over)
+                add_cross(block, 3, 0, force, (1.0 - 2.0 * right) * moves * over)
+                add_square(block, upper if right else lower, (turns - 1.0) * square, False)
+                add_square(block, upper if left else lower, turns * square, True)
 
 
 @compiled

@@ -97,11 +97,11 @@ class _Rise:
         increment = min(self.increment, (self.lost - low.load) / 2)
         if self.thorough and increment <= self._least(low.load + increment):
             return False
-        patience = self.largest if self.solver.finite else 0.0
+        patience = self.largest if self.solver.drifts else 0.0
         least = max(PATIENCE * patience, self._least(low.load + increment))
         if not self.thorough and increment <= least:
             self.thorough = True
-            self.top = self.solver.finite and _to_the_top(self.solver, self.path)
+            self.top = self.solver.drifts and _to_the_top(self.solver, self.path)
             low = self.path[-1]
             ends = self._failing() is not None
             again = self.top and abs(low.load - self.solver.fell) <= SAME_TOP * self.solver.fell
@@ -110,7 +110,7 @@ class _Rise:
             if self.top:
                 increment = OVER_THE_TOP * low.load
         load = self._below_failure(low.load + increment)
-        onward = not (self.thorough and self.solver.finite)
+        onward = not (self.thorough and self.solver.drifts)
         guess = guess_at(load, self.path, self.above) if onward else low.unknowns
         try:
             point = self.solver.solve(load, guess, low.state, thorough=self.thorough)
