@@ -23,9 +23,12 @@ DIRECTIONS = (0.0, 0.1, 0.5, 2.0, math.inf)
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
 
 
+FAINT = replace(INNER, cohesion=0.08, tensile_strength=0.37)  # Pa: bonds that fail where they are
+
+
 def joint_of(locks: int, **others: Any) -> Joint:
-    """A joint without friction and weight: it is linear but for the contacts."""
-    return sawn(locks, **({"dry": SMOOTH, "density": 0.0} | others))
+    """A joint without friction and weight, hardly displaced: it is linear but for the contacts."""
+    return sawn(locks, **({"dry": SMOOTH, "inner": FAINT, "density": 0.0} | others))
 
 
 def failure(joint: Joint, eccentricity: float = 0.0, push: Push = Push.PLUS_Y) -> JointFailure:
@@ -183,11 +186,11 @@ def test_where_contacts_slide_effects_do_not_depend_on_the_increments(
 
 
 def test_where_another_node_fails_first_within_1_per_cent_there_is_no_derivative() -> None:
-    """The slope of the load promises 0.77 % for 1 % less height, and 0.21 % are carried."""
+    """The slope of the load promises 0.77 % for 1 % less height, and 0.34 % are carried."""
     found = sensitivity(ONE_PIECE, Loading(TORSION), 0.24975 * ONE_PIECE.least_side)
     height = effect_of(found, "h")
-    assert height.less == pytest.approx(0.212, abs=2e-3)
-    assert height.more == pytest.approx(-0.759, abs=2e-3)
+    assert height.less == pytest.approx(0.335, abs=2e-3)
+    assert height.more == pytest.approx(-0.754, abs=2e-3)
     note = "slopes for +1 % and -1 % differ; no derivative"
     assert (height.derivative, height.note) == (None, note)
 
@@ -233,7 +236,7 @@ def test_at_a_value_of_0_the_derivative_is_that_of_more(name: str) -> None:
     part = "inner" if name == "bond_friction" else "dry"
     rougher = replace(joint, **{part: replace(getattr(joint, part), **{name: 0.01})})
     rise = (carried(rougher, Direction(0.3)) - carried(joint, Direction(0.3))) / 0.01
-    assert effect.derivative == pytest.approx(rise, rel=1e-3)
+    assert effect.derivative == pytest.approx(rise, rel=0.02)
 
 
 @pytest.mark.parametrize(

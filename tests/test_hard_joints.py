@@ -21,7 +21,7 @@ from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.equilibrium import compliance, equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.equilibrium import compliance, placed, unbalanced_share
 from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
 from sidmacib.mechanics.rigid import RigidSolver
@@ -72,12 +72,10 @@ SOUND = sawn(
 def require_equilibrium(model: Assembly, loads: Loads, point: Equilibrium) -> None:
     """The point's forces balance the loads, and no node carries what it cannot.
 
-    Uses nothing of the solver: the equilibrium matrix, and the contact law as inequalities.
+    Uses nothing of the solver: the balance of moved pieces, and the contact law as inequalities.
     """
-    rows, size = free_rows(model), row_units(model)
-    target = ((loads.permanent + point.load * loads.variable).ravel())[rows] / size
-    carried = (equilibrium_matrix(model) @ point.force.ravel())[rows] / size
-    assert np.abs(carried - target).max() <= 1e-9 * np.abs(target).max()
+    motion = placed(model, point.unknowns)
+    assert unbalanced_share(model, loads, point.load, point.force, motion) <= 1e-9
     contact_law, dry = ContactLaw.of(model), ~point.state.bonded
     normal, shear = point.force[:, 0], np.hypot(point.force[:, 1], point.force[:, 2])
     assert (normal[dry] >= 0.0).all()
@@ -95,18 +93,10 @@ def first_failure(model: Assembly, loads: Loads) -> FirstFailure:
 def test_rough_locks_in_torsion_carry_until_a_bond_fails(layout: NodeLayout) -> None:
     model, loads = loaded(ROUGH, math.inf, 0.033, layout, Push.MINUS_Y)
     found = first_failure(model, loads)
-    assert found.mode is Mode.BONDS
-    # Four nodes on a lock, at cells' centres, miss the corners.
-    least, most = (12.0, 12.6) if layout is not NodeLayout.CENTRES else (14.0, 18.0)
-    assert least < found.point.load / ROUGH.T0 < most
-
-
-@pytest.mark.study
-def test_a_finer_path_on_which_the_solver_gives_up_is_not_taken() -> None:
-    model, loads = loaded(ROUGH, math.inf, 0.033, push=Push.MINUS_Y)
-    found = static_first_failure(model, loads)
-    assert found.mode is Mode.BONDS
-    assert 14.0 < found.point.load / ROUGH.T0 < 18.0
+    # Four nodes on a lock, at cells' centres, miss the corners: the block turns out of its place.
+    corners = layout is not NodeLayout.CENTRES
+    assert found.mode is (Mode.BONDS if corners else Mode.TURNED)
+    assert found.point.load / ROUGH.T0 == pytest.approx(14.0 if corners else 17.3, rel=0.03)
 
 
 def test_a_sound_joint_stands_under_its_own_weight() -> None:
@@ -139,6 +129,7 @@ def test_where_a_block_slides_off_the_search_ends_soon(
 
     monkeypatch.setattr(EquilibriumSearch, "with_given_limits", counting)
     solver = RigidSolver(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
+    solver.drifts = False  # as where bonds keep it near
     start = solver.start()
     assert not counted  # Newton's method finds this
     with pytest.raises(NoEquilibriumError, match="no equilibrium at 100 N"):
@@ -235,7 +226,8 @@ def test_a_path_of_two_increments_does_not_agree_with_itself_by_chance() -> None
 
 
 # --- dry faces that are far stiffer than the inner ones ------------------------------------------
-SOFT = 1e8  # Pa/m, of inner faces
+SOFT = 1e9  # Pa/m, of inner faces
+RIGID_DRY = 394.24  # N, peak
 
 
 def problem(ratio: float, e_over_a: float, locks: int = 9) -> Problem:
@@ -245,24 +237,24 @@ def problem(ratio: float, e_over_a: float, locks: int = 9) -> Problem:
     return posed(sawn(locks, inner=inner, dry=dry), Loading(Direction(e_over_a)), 0.025)
 
 
-@pytest.mark.parametrize("ratio", [1e5, 1e8])
+@pytest.mark.parametrize("ratio", [1e5, 1e6])
 def test_beyond_some_stiffness_dry_faces_are_rigid(ratio: float) -> None:
     found = static_peak(*problem(ratio, 0.0))
     assert found.mode is Mode.BONDS
-    assert found.peak.load == pytest.approx(394.24, rel=1e-4)
+    assert found.peak.load == pytest.approx(RIGID_DRY, rel=1e-4)
 
 
 @pytest.mark.parametrize(("locks", "e_over_a"), [(3, math.inf), (9, 0.3)])
 def test_the_first_failure_no_longer_depends_on_the_stiffness(locks: int, e_over_a: float) -> None:
-    problems = (problem(ratio, e_over_a, locks) for ratio in (1e6, 3e7))
+    problems = (problem(ratio, e_over_a, locks) for ratio in (1e5, 1e6))
     loads = [static_first_failure(*each).point.load for each in problems]
     assert loads[1] == pytest.approx(loads[0], rel=1e-3)
 
 
 def test_a_stiffness_that_rounding_would_decide_on_is_refused() -> None:
-    words = r"1e\+09 times as stiff as the softest; with more than"
+    words = r"3e\+06 times as stiff as the softest; with more than"
     with pytest.raises(CapacityError, match=words):
-        static_peak(*problem(1e9, 0.0))
+        static_peak(*problem(3e6, 0.0))
 
 
 @pytest.mark.parametrize("ratio", [1e2, 1e5])

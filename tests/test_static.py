@@ -12,7 +12,7 @@ from joints import PUBLISHED, loaded, sawn
 from stack import tilted_stack
 
 from sidmacib import limit_load, lock_weights
-from sidmacib.errors import NoEquilibriumError, UnboundedError
+from sidmacib.errors import NoEquilibriumError
 from sidmacib.joint import INNER, Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.parameters import PARAMETERS, with_parameters
@@ -26,8 +26,14 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
+from sidmacib.mechanics.equilibrium import placed, unbalanced_forces
+from sidmacib.mechanics.static import (
+    MOST_ROTATION,
+    Mode,
+    StaticSolution,
+    static_first_failure,
+    static_peak,
+)
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> StaticSolution:
@@ -38,15 +44,19 @@ def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> StaticSolution:
 STRONG = replace(sawn(3), inner=replace(INNER, cohesion=1e6))
 
 
+ALMOST_RIGID = Elastic(1e11, 0.2)
+
+
 def lobatto(joint: Joint, e_over_a: float) -> StaticSolution:
     return static_peak(*posed(joint, Loading(Direction(e_over_a)), 0.02))
 
 
 def test_no_equilibrium_counts_in_which_a_piece_that_has_broken_off_turns_far() -> None:
     # At e = a/2 column 1 breaks off, and its load acts above the edge of lock 2. YADE: 542.7 N.
-    elastic = (replace(STRONG, elastic=Elastic(young, 0.2)) for young in (1e10, 1e11))
+    elastic = (replace(STRONG, elastic=law) for law in (Elastic(1e10, 0.2), ALMOST_RIGID))
     rigid, soft, stiff = (lobatto(joint, 0.5) for joint in (STRONG, *elastic))
-    for found, load in ((rigid, 550.2), (soft, 548.6), (stiff, 550.1)):
+    # Elastic pieces stay where they were built.
+    for found, load in ((rigid, 542.1), (soft, 548.6), (stiff, 550.1)):
         assert found.peak.load == pytest.approx(load, rel=1e-3)
     assert (rigid.mode, rigid.turns) == (Mode.BONDS, False)
     assert stiff.peak.rotation == pytest.approx(rigid.peak.rotation, rel=0.01)
@@ -61,7 +71,8 @@ def test_nor_where_bonds_yield_or_soften(failure: Failure) -> None:
 
 
 def test_a_path_ends_where_a_piece_that_has_broken_off_has_turned_by_2_degrees() -> None:
-    found = lobatto(STRONG, 0.4)  # YADE 972 N, LIGGGHTS 905 N
+    rigid, found = (lobatto(each, 0.4) for each in (STRONG, replace(STRONG, elastic=ALMOST_RIGID)))
+    assert rigid.first_failure_load < rigid.peak.load < 905.0  # LIGGGHTS; YADE 972 N
     assert found.turns
     assert found.peak.rotation == pytest.approx(0.035, rel=1e-3)
     assert found.first_failure_load < found.peak.load < 972.0
@@ -69,10 +80,10 @@ def test_a_path_ends_where_a_piece_that_has_broken_off_has_turned_by_2_degrees()
 
 def test_rotations_before_the_first_failure_are_not_limited() -> None:
     names = [f"{way}_stiffness" for way in ("normal", "shear", "dry")]
-    soft = {name: PARAMETERS[name].of(sawn(3)) / 40 for name in names}
-    found = lobatto(with_parameters(sawn(3), soft), 0.5)
-    assert found.peak.rotation > 0.05
-    assert found.peak.load == pytest.approx(lobatto(sawn(3), 0.5).peak.load, rel=1e-4)
+    soft = {name: PARAMETERS[name].of(sawn(3)) / 20 for name in names}
+    found, stiff = lobatto(with_parameters(sawn(3), soft), 0.5), lobatto(sawn(3), 0.5)
+    assert found.peak.rotation > MOST_ROTATION
+    assert 0.97 * stiff.peak.load < found.peak.load < stiff.peak.load
 
 
 # --- theory --------------------------------------------------------------------------------------
@@ -122,10 +133,11 @@ def test_without_tensile_strength_no_bond_of_a_joint_pulls(e_over_a: float) -> N
 
 
 # --- how it ends ----------------------------------------------------------------------------------
-def test_a_stack_carries_any_weight() -> None:
+def test_a_stack_carries_weight_until_its_faces_are_pressed_in() -> None:
     model, loads = tilted_stack(2)
-    with pytest.raises(UnboundedError, match=r"no failure up to [1-9].* N: the load can grow"):
-        static_peak(model, replace(loads, variable=loads.permanent))
+    found = static_peak(model, replace(loads, variable=loads.permanent))
+    assert found.mode is Mode.PRESSED
+    assert found.peak.load > 100.0 * loads.scale
 
 
 def test_the_peak_is_found_from_nearby_where_newton_fails_from_afar() -> None:
@@ -147,12 +159,12 @@ def test_a_joint_of_which_a_piece_is_loose_for_a_moment_stands() -> None:
 @pytest.mark.parametrize("e_over_a", [0.0, 0.5, math.inf])
 def test_every_equilibrium_balances_loads_within_strengths(locks: int, e_over_a: float) -> None:
     model, loads = loaded(sawn(locks), e_over_a)
-    rows, contact_law = free_rows(model), ContactLaw.of(model)
+    contact_law = ContactLaw.of(model)
     for point in static_peak(model, loads).path:
         assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
-        target = (loads.permanent + point.load * loads.variable).ravel()
-        residual = (equilibrium_matrix(model) @ point.force.ravel() - target)[rows]
-        assert np.abs(residual).max() <= 1e-9 * np.abs(target).max()
+        motion = placed(model, point.unknowns)
+        unbalanced = unbalanced_forces(model, loads, point.load, point.force, motion)
+        assert np.abs(unbalanced).max() <= 1e-9 * np.abs(loads.at(point.load)).max()
 
 
 @pytest.mark.parametrize("failure", Failure)

@@ -293,9 +293,9 @@ class Assembly:
 
     ``length`` (m) converts rotations to displacements and moments to forces. ``failure``: of all
     inner faces. ``mesh`` (m) and ``layout``: of the nodes, and of the finite elements of elastic
-    pieces. ``most_opening`` (m): of a face, before a bond fails. ``halfway``: whether frames
-    and nodes of faces are halfway between both pieces as these move, or turn with the piece below
-    and lie on that above. ValueError unless lengths are above 0, and for bonds with friction that
+    pieces. ``most_opening`` (m): of a face, before a bond fails. ``halfway``: whether frames and
+    nodes of faces are halfway between both pieces as these move, or turn with the piece below and
+    lie on that above. ValueError unless lengths are above 0, and for bonds with friction that
     are not brittle.
     """
 

@@ -55,7 +55,7 @@ AT_FIRST = 1e-3  # of the loads' scale: what may hold pieces that slide where no
 PUSHED = 1e-3  # of the assembly's length: how far pieces are followed that move away
 # Stiffness of the stiffest face over that of the softest: above the first, rounding matters; above
 # the second, it decides. Faces far below the second are as good as rigid.
-STIFF, MOST_STIFF = 1e4, 1e8
+STIFF, MOST_STIFF = 1e4, 1e6
 
 
 @dataclass(frozen=True)

@@ -44,9 +44,8 @@ class ContactFaces(NamedTuple):
     integrated over their pressed parts, see `put_pressed`. A face without has springs at its nodes.
     ``whole``: stiffness (N/m) by a face's motion while all its bonds are whole, (F, 6, 6).
     ``length``: of the assembly, m. ``share``: of the piece below in how frames turn, 1 or 1/2.
-    ``guided``: the unknown that a guide holds by a ``guide`` (N/m),
-    -1 for none.
-    The ``inner`` unknowns come first; those coupled by the stiffness are at most ``band`` apart.
+    ``guided``: the unknown that a ``guide`` (N/m) holds, -1 for none. The ``inner`` unknowns come
+    first; those coupled by the stiffness are at most ``band`` apart.
     The ``outer`` unknowns follow and may be coupled to all others.
     """
 
@@ -84,8 +83,8 @@ class Point(NamedTuple):
     """Where the pieces are, and what that makes of the nodes.
 
     ``unknowns`` in m, (U,). ``turn``: rotation less identity of each free piece, (U / 6, 3, 3).
-    ``mean``: that of the frame of one face at a time, (3, 3). ``apart``: displacement
-    of the middle of each face (m), of the piece below relative to that above, and its gradients
+    ``mean``: that of the frame of one face at a time, (3, 3). ``apart``: displacement of the middle
+    of each face (m), of the piece below relative to that above, and its gradients
     along p and q, (F, 3, 3). ``frame``: normal and tangents of each face, (F, 3, 3). ``arms``: from
     the centroids of both pieces to the middle of the face (m), (F, 2, 3). ``along``: how places of
     nodes grow by p and q, in the frame, (F, 2, 3). ``moved``: displacements of the nodes in the

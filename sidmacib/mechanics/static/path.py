@@ -20,7 +20,8 @@ GROWTH = 0.01  # or over the load where that is more
 PATIENCE = 1 / 16  # of the largest increment: below it the solver is thorough
 MOST_TO_THE_TOP = 100  # steps in which a displacement is given
 AT_THE_TOP = 1e-6  # of the load: how far it may fall in a step from the top, which is then found
-OVER_THE_TOP = 1e-3  # of the load: above it, pieces that drift may come to rest elsewhere
+OVER_THE_TOP = 1e-3  # of the load: above it, pieces that drift may come to rest elsewhere, or
+MOST_OVER = 10  # times on a path, rounds of friction may settle that did not just below
 LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
 MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
 DEEP = 0.1  # of the assembly's length: faces pressed in by so much are no joints any more
@@ -59,6 +60,7 @@ class _Rise:
         self.solver, self.path, self.refinement = solver, list(path), refinement
         self.increment = self.largest = refinement * INCREMENT * solver.scale
         self.thorough = self.top = False
+        self.over = 0
         self.above: Equilibrium | None = None
         self.lost = math.inf
 
@@ -96,7 +98,7 @@ class _Rise:
         low = self.path[-1]
         increment = min(self.increment, (self.lost - low.load) / 2)
         if self.thorough and increment <= self._least(low.load + increment):
-            return False
+            return self._steps_over()
         patience = self.largest if self.solver.drifts else 0.0
         least = max(PATIENCE * patience, self._least(low.load + increment))
         if not self.thorough and increment <= least:
@@ -129,6 +131,24 @@ class _Rise:
         self.increment = min(2 * increment, largest)
         if self.top:  # pieces have come to rest elsewhere: the path goes on from there
             self.top, self.thorough, self.increment = False, False, self.largest
+        return True
+
+    def _steps_over(self) -> bool:
+        """Whether there is an equilibrium a little above that at the end of the path after all."""
+        low = self.path[-1]
+        load, self.over = (1.0 + OVER_THE_TOP) * low.load, self.over + 1
+        if not self.solver.finite or self.solver.drifts or self.over > MOST_OVER:
+            return False
+        try:
+            point = self.solver.solve(load, low.unknowns, low.state, thorough=True)
+        except NoEquilibriumError:
+            return False
+        self.lost, self.increment = math.inf, load - low.load
+        if self._used(point).max() > 1.0:
+            self.above = point
+        else:
+            self.path.append(point)
+            self.thorough, self.increment = False, self.largest
         return True
 
     def _below_failure(self, load: float) -> float:
