@@ -273,6 +273,15 @@ def test_stiff_dry_faces_are_no_collapse(name: str, e_over_a: float, tmp_path: P
     assert found.path[-1].load == pytest.approx(static_peak(*given).peak.load, rel=0.01)
 
 
+@pytest.mark.engine
+def test_drag_does_not_hold_up_what_slides_early(tmp_path: Path) -> None:
+    dry = FaceMaterial(1e13, 1e13, 0.3, 0.0, 0.0)
+    given = posed(sawn(5, dry=dry), Loading(Direction(math.inf)), 0.02, NodeLayout.VERTICES)
+    run_guided("liggghts", given, Numerics(), tmp_path, 300.0)
+    found = read_outcome(tmp_path, given.assembly).path[-1].load
+    assert found == pytest.approx(static_peak(*given).peak.load, rel=0.012)
+
+
 # --- the search for joints whose safe load is above what they carry, in small --------------------
 RIGID = [space for space in SPACES if not space.elastic]
 ELASTIC = next(space for space in SPACES if space.elastic)

@@ -32,12 +32,6 @@ LOOK = 100
 TURNED = 10.0  # force on a face over the weight, at most, while gravity turns
 LEAST_FLAT = 20.0  # radius of a flat side over what presses it together: less is round
 GROUPS = 28  # that LIGGGHTS has left, of its 32
-# Drag on the pieces over critical drag, at the longest natural period: more would hold up what
-# slides.
-DRAG = 0.05
-# Of blocks that friction holds: less does not keep them from swinging themselves up. An arch gave
-# way at 1310 N, and with this at 1363 N; the static model has 1361 N.
-DRAG_OF_BLOCKS = 0.5
 AXES = (0, 1, 2)
 BODIES = "fix bodies free rigid molecule"
 HANDLES_OF_FORCE = 2  # of a piece, which share a force on it; see `handle_forces`
@@ -129,14 +123,19 @@ class LiggghtsDeck:
     """LIGGGHTS' atoms and input script for an assembly without load."""
 
     def __init__(
-        self, assembly: GivenAssembly, search: GivenSearch, radii: Vector, gradual: bool = False
+        self,
+        assembly: GivenAssembly,
+        search: GivenSearch,
+        radii: Vector,
+        drag: float,
+        gradual: bool = False,
     ) -> None:
-        """``radii``: of vertices and, at most, of flat sides, m; ``gradual``: see `.run`."""
+        """``radii``: of vertices and, at most, of flat sides, m. Others: see `.run`."""
         self.assembly, self.search = assembly, search
         # Steps in which the permanent loads are raised; 0: they act at once.
         self.permanent_ramp = search.ramp(assembly.permanent_N, 0.0) if gradual else 0
         critical = 4 * math.pi / (search.period_steps * search.time_step_s)
-        self.drag = (DRAG_OF_BLOCKS if gradual else DRAG) * critical  # force over momentum, 1/s
+        self.drag = drag * critical  # force over momentum, 1/s
         free = assembly.free
         self.gravity, self.shared = common_gravity(assembly), common_acceleration(assembly)
         # Whether loads accelerate all pieces alike, and change with time.

@@ -15,17 +15,18 @@ def find_peak(
     search: GivenSearch,
     radii_m: Vector,
     ranks: int,
+    drag: float,
     gradual: bool = False,
 ) -> None:
     """Search the peak and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
 
     It writes LIGGGHTS' input script and atoms, starts it on them, and goes on to give it commands.
     ``radii_m``: of the contact spheres of vertices and, at most, of flat sides;
-    ``ranks``: processes of LIGGGHTS; ``gradual``: whether the permanent loads are raised too, and
-    pieces move against more drag. Blocks that friction and their weight hold would swing and slip
-    otherwise.
+    ``ranks``: processes of LIGGGHTS; ``drag``: on the pieces, over critical drag at the longest
+    natural period; ``gradual``: whether the permanent loads are raised too. Blocks that friction
+    and their weight hold would swing and slip otherwise.
     """
-    deck = LiggghtsDeck(assembly, search, radii_m, gradual)
+    deck = LiggghtsDeck(assembly, search, radii_m, drag, gradual)
     Path(INPUT_SCRIPT).write_text("\n".join(deck.input_script()) + "\n")
     Path(DATA_FILE).write_text(deck.data_file(title))
     history = History(assembly)
