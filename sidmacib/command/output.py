@@ -23,7 +23,7 @@ from sidmacib.errors import CapacityError, reason
 from sidmacib.joint import Joint
 from sidmacib.models import MODELS
 from sidmacib.models.joint_answers import ERRORS
-from sidmacib.quantities import MEASURED_IN, four_digits
+from sidmacib.quantities import MEASURED_IN, four_digits, rounded
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +50,9 @@ def with_version(about: Row) -> Row:
 
 
 def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
-    """``rows`` in one of `FORMATS`, in the units that were asked for; JSON and CSV have all digits.
+    """``rows`` in one of `FORMATS`, in the units that were asked for.
+
+    JSON and CSV have the digits of records, which are the same on every processor.
 
     A column in m, N and so on has its unit at the end of its name: in a table in brackets, else
     after an underscore. ``about``: what JSON says beside the rows, and CSV in columns of its own:
@@ -58,7 +60,8 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     """
     rows, beside = in_asked_units(rows), in_asked_units([about or {}])[0]
     if form != "table":
-        rows, beside = [plain_row(row) for row in rows], with_version(beside)
+        rows, beside = rounded_all([plain_row(row) for row in rows]), rounded_all(beside)
+        beside = with_version(beside)
     if form == "json":
         return json.dumps({**beside, "rows": rows}, indent=1)
     if form == "csv" and about is not None:
@@ -82,6 +85,15 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
         for line in cells
     ]
     return "\n".join(lines)
+
+
+def rounded_all(value: Any) -> Any:
+    """``value`` with all floating-point numbers in it `rounded`."""
+    if isinstance(value, float):
+        return rounded(value) if math.isfinite(value) else value
+    if isinstance(value, dict):
+        return {key: rounded_all(each) for key, each in value.items()}
+    return [*map(rounded_all, value)] if isinstance(value, list | tuple) else value
 
 
 def _in_a_cell(value: Any) -> Any:

@@ -54,7 +54,7 @@ DRAG_AT_START = 0.1  # over the stiffness of the stiffest face, on pieces that d
 AT_FIRST = 1e-3  # of the loads' scale: what may hold pieces that slide where nothing pushes
 PUSHED = 1e-3  # of the assembly's length: how far pieces are followed that move away
 # Stiffness of the stiffest face over that of the softest: above the first, rounding matters; above
-# the second, it decides. Faces far below the second are as good as rigid.
+# the second, Newton's method may not follow pieces that turn. Faces far below are as good as rigid.
 STIFF, MOST_STIFF = 1e4, 1e6
 
 
@@ -162,8 +162,8 @@ class RigidSolver(Solver):
         ratio = max(both) / min(both)
         if ratio > MOST_STIFF * (1.0 + 1e-9):  # rounding of their quotient
             raise CapacityError(
-                f"the stiffest face is {ratio:.3g} times as stiff as the softest; with more than "
-                f"{MOST_STIFF:g} times rounding errors decide"
+                f"the stiffest face is {ratio:.3g} times as stiff as the softest; at most "
+                f"{MOST_STIFF:g} times are computed, which is as good as rigid"
             )
         self.residual = RESIDUAL if ratio < STIFF else RESIDUAL_OF_STIFF
         self.contacts = _contact_faces(assembly, self.contact_law, order)
