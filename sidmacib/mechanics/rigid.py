@@ -295,7 +295,7 @@ class RigidSolver(Solver):
         """The equilibrium ``here``."""
         here = self.here
         put_slips(self.contacts, slip, state.whole, here, slip)
-        displacement = float(self.load @ here.unknowns)
+        displacement = math.fsum(self.load * here.unknowns)  # the same on every processor
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
         rotation, moved = farthest_motion(unknowns)

@@ -18,6 +18,7 @@ EDGE = 1e-3  # likewise, at the most: regions that are narrower are edges
 LEAST = 1e-3  # over the square of the blocks' mean size: less area does not matter
 STEP = 3.0  # times a gap: a larger one is meant
 ALONG = 0.9  # least cosine between the normals of faces that touch
+KEPT = 12  # digits of the size of an interface
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +51,14 @@ class Interface:
     ) -> "Interface":
         """The interface of two blocks in a ``region`` along the tangents from ``origin`` (m).
 
-        ``outline``: the same, perhaps with fewer corners.
+        ``outline``: the same, perhaps with fewer corners. Last digits, which differ between
+        processors, are rounded off.
         """
         flat = shapely.get_coordinates(region.centroid)[0]
-        (middle,) = vectors((origin + flat @ axes[1:])[None])
-        return cls(*ends, axes, middle, shapely.affinity.translate(outline, *(-flat)))
+        decimals = KEPT - math.ceil(math.log10(outline.length))
+        (middle,) = vectors((origin + flat @ axes[1:]).round(decimals)[None])
+        outline = shapely.transform(outline, lambda corners: (corners - flat).round(decimals))
+        return cls(*ends, axes, middle, outline)
 
 
 @dataclass(frozen=True, eq=False)
