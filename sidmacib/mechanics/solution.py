@@ -124,7 +124,8 @@ class OtherSearches(Solver):
 class SmallMotions(OtherSearches):
     """A ``solver`` that finds no equilibria where pieces have turned, or faces opened, too far.
 
-    Forces are balanced where pieces were built: what it finds there need not exist. ``rotation``
+    Elastic pieces balance where they were built, and locks that part bear on less than they had:
+    what it finds there need not exist. ``rotation``
     (rad) and ``opening`` (m): the largest that are allowed. ``exceeded``: whether the last search
     ended with such an equilibrium.
     """
