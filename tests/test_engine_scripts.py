@@ -50,7 +50,7 @@ def stack() -> GivenAssembly:
 
 # --- LIGGGHTS' deck ------------------------------------------------------------------------------
 def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, RADII)
+    deck = LiggghtsDeck(three, SEARCH, RADII, 0.05)
     for index in three.free:
         piece = three.pieces[index]
         rows = [deck.atoms.lines[atom - 1].split() for atom in deck.atoms.handles[index]]
@@ -76,7 +76,7 @@ def test_the_forces_on_the_handles_add_up_to_force_and_moment(
 
 
 def test_spheres_of_a_node_touch_there_and_no_others_of_the_face(three: GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, RADII)
+    deck = LiggghtsDeck(three, SEARCH, RADII, 0.05)
     rows = [line.split() for line in deck.atoms.lines]
     centre = np.array([[float(v) for v in row[2:5]] for row in rows])
     radius = np.array([float(row[5]) / 2 for row in rows])
