@@ -21,6 +21,7 @@ from sidmacib.joint import INNER, Direction, Hold, HoldDown, Joint, OwnLock
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static import first_failure_of, solver_of
+from sidmacib.quantities import rounded
 from sidmacib.rule import COARSE, first_failure, safe_at_most, weakened
 from sidmacib.rule.reliability import Reliability, Scatter, scatter
 
@@ -163,9 +164,9 @@ def test_capacity_prints_characteristic_value_and_design_resistance() -> None:
     loads = {row["model"]: row["V_N"] for row in rows}
     assert list(loads) == ["law", "characteristic", "design"]
     found = sidmacib.characteristic(NINE, DIRECTION, 0.2)
-    assert loads["characteristic"] == found.capacity.shear
+    assert loads["characteristic"] == rounded(found.capacity.shear)
     design = sidmacib.design_resistance(NINE, DIRECTION, Reliability(0.2, 1.5))
-    assert loads["design"] == design.shear
+    assert loads["design"] == rounded(design.shear)
 
 
 @pytest.mark.parametrize(
@@ -195,7 +196,7 @@ def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
         joint = sidmacib.Joint(row["locks"], a=0.08, H=0.06)
         shear = sidmacib.design_resistance(joint, DIRECTION, reliability).shear
         assert (row["note"] == "strong enough") == (shear >= 150.0)
-        assert row["design_V_N"] in (None, shear)
+        assert row["design_V_N"] in (None, rounded(shear))
     assert rows[-1]["note"] == "strong enough"
 
 
