@@ -28,7 +28,7 @@ def peak(failure: Failure, energy: float = 0.0) -> float:
 energies = [1, 3, 10, 30, 100, 300]  # J/m2
 brittle, ductile = peak(Failure.BRITTLE), peak(Failure.DUCTILE)
 softening = [peak(Failure.SOFTENING, energy) for energy in energies]
-print(f"brittle: {brittle:.1f} N, ductile: {ductile:.1f} N")  # 408.9, 493.5
+print(f"brittle: {brittle:.1f} N, ductile: {ductile:.1f} N")  # 408.9, 493.6
 print(f"softening with {energies[2]} J/m²: {softening[2]:.1f} N")  # 10, 449.4
 
 figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
