@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from joints import sawn
 
 from sidmacib import CapacityError, Elastic, FaceMaterial, limit_load, lowest_peak
+from sidmacib.answers.joint import joint_answer
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.static import static_first_failure, static_peak
+from sidmacib.mechanics.static import Mode, static_first_failure, static_peak
 from sidmacib.rule import MOVES, RULES, SAFETY, law, safe
 from sidmacib.rule.pairs import Pairs, bearing_pairs, pairs_of
 
@@ -120,6 +121,14 @@ def test_where_blocks_move_far_before_a_bond_fails_the_rules_say_no(
         for rule in RULES.values():
             with pytest.raises(CapacityError, match="of a lock's width before a bond fails"):
                 rule(joint, direction)
+
+
+def test_where_blocks_turn_far_and_no_bond_fails_the_answer_says_so() -> None:
+    stiffnesses = {"normal_stiffness": 2.5e8, "shear_stiffness": 2.5e8}
+    soft = sawn(3, inner=replace(INNER, **stiffnesses), dry=replace(DRY, **stiffnesses))
+    found = joint_answer(soft, Loading(Direction(0.5)))
+    assert found.solution.mode is Mode.TURNED
+    assert "move by over 3 % of a lock's width before a bond fails" in found.why
 
 
 @pytest.mark.parametrize(("locks", "body", "cohesion", "eccentricity"), SOFT_JOINTS)

@@ -7,7 +7,7 @@ from sidmacib.joint import Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.pieces import APART, FAR
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.solution import Equilibrium, Mode, StaticSolution
+from sidmacib.mechanics.solution import MOVED, Equilibrium, Mode, StaticSolution
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
 from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
@@ -49,7 +49,7 @@ class JointAnswer:
         if self.solution.mode is Mode.APART:
             return f"{which}; beyond it locks come apart by over {100 * APART:g} % of their height"
         at = self._at_first_failure
-        fails = self.solution.mode is Mode.BONDS or at.load < self.load
+        fails = self.solution.mode not in MOVED or at.load < self.load
         if fails and at.moved > FAR * self.joint.b:
             return (
                 f"{which}; blocks move by over {100 * FAR:g} % of a lock's width before a bond "

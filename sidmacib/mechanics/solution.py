@@ -41,10 +41,10 @@ class Solver:
     """Finds equilibria of an assembly along a path of loading.
 
     ``contact_law``: of its nodes. ``scale``: of its loads, in N. ``size``: of the pieces, in m.
-    ``finite``: whether it follows them as they move, and ``drifts``: whether it looks for places
-    where pieces that drift away come to rest. ``precision``: of the loads at which a path
-    turns, over them. ``most_opening``: of a face, see `sidmacib.mechanics.assembly.Assembly`, in m.
-    ``fell``: load (N) of the last top of a path beyond which pieces did not come to rest elsewhere.
+    ``finite``: whether it follows them as they move. ``drifts``: whether it looks for places where
+    pieces that drift away come to rest. ``precision``: of the loads at which a path turns, over
+    them. ``most_opening``: of a face, see `sidmacib.mechanics.assembly.Assembly`, in m. ``fell``:
+    load (N) of the last top of a path beyond which pieces did not come to rest elsewhere.
     """
 
     contact_law: ContactLaw
@@ -124,10 +124,9 @@ class OtherSearches(Solver):
 class SmallMotions(OtherSearches):
     """A ``solver`` that finds no equilibria where pieces have turned, or faces opened, too far.
 
-    Elastic pieces balance where they were built, and locks that part bear on less than they had:
-    what it finds there need not exist. ``rotation``
-    (rad) and ``opening`` (m): the largest that are allowed. ``exceeded``: whether the last search
-    ended with such an equilibrium.
+    Elastic pieces balance where they were built, and locks that part bear on less than is computed:
+    what it finds there need not exist. ``rotation`` (rad) and ``opening`` (m): the largest that are
+    allowed. ``exceeded``: whether the last search ended with such an equilibrium.
     """
 
     def __init__(
@@ -175,6 +174,9 @@ class Mode(StrEnum):
     TURNED = "turned"  # a piece has turned too far to be where it was built, and nothing has failed
     PRESSED = "pressed in"  # faces close by a part of the pieces' size, and nothing has failed
     APART = "apart"  # locks come apart too far to be held as they are, and no bond has failed
+
+
+MOVED = Mode.MECHANISM, Mode.ROCKING  # any way, at the load
 
 
 @dataclass(frozen=True)

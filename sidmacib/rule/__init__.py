@@ -26,7 +26,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames, self_weight
 from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.solution import Mode, Solver
+from sidmacib.mechanics.solution import MOVED, Mode, Solver
 from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.rule.pairs import bearing_pairs
 from sidmacib.rule.spans import STIFF, require_covered, require_row, spans_of
@@ -51,7 +51,6 @@ MOVES = {
     Mode.ROCKING: "rocks before a bond fails",
     Mode.APART: "locks come apart before a bond fails",
 }
-MOVED = Mode.MECHANISM, Mode.ROCKING  # any way, at the load
 
 
 @dataclass(frozen=True)
@@ -243,13 +242,13 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     meshes = _meshes(joint)
     rough = _on_meshes(weak, loading, meshes)
     modes, without = {each.mode for each in rough}, []
-    if moves := not modes.isdisjoint(MOVED):
+    if not modes.isdisjoint(MOVED):
         smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
         with suppress(CapacityError):
             without = _on_meshes(smooth, loading, meshes)
-    if moves and not without and joint.elastic is None:  # friction alone holds it: how far it turns
-        meshes = MESHES  # before it slides depends on the mesh
-        rough = _on_meshes(weak, loading, meshes)
+        if not without and joint.elastic is None:  # friction alone holds it: how far it turns
+            meshes = MESHES  # before it slides depends on the mesh
+            rough = _on_meshes(weak, loading, meshes)
     mode = min(rough, key=lambda each: each.load).mode
 
     def way(failures: Sequence[JointFailure], divisor: float = 1.0) -> WeakFailure:
