@@ -55,7 +55,7 @@ def test_the_joint_as_two_blocks_has_the_numbers_of_the_joint(eccentricity: floa
     problem = posed(joint, Loading(Direction(eccentricity)), 0.02, least=1)
     cells = {"mesh": 0.02, "nodes": NodeLayout.LOBATTO}
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint)}, **cells)
-    two = replace(two, halfway=True)
+    two = replace(two, share=0.5)
     centres = np.array([piece.centre for piece in two.pieces])
     permanent, variable = np.zeros((2, len(centres), 6))
     for number, piece in enumerate(problem.assembly.pieces):

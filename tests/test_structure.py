@@ -123,7 +123,7 @@ def test_the_joint_is_a_structure_of_its_pieces(body: UpperBody) -> None:
     names = [block.name for block in blocks]
     laws = {frozenset({names[f.below], names[f.above]}): f.material for f in model.faces}
     same = structure(blocks, dry(0.0), laws, mesh=0.03, nodes=NodeLayout.LOBATTO)
-    same = replace(same, length=model.length, halfway=True)
+    same = replace(same, length=model.length, share=0.5)
     assert len(same.faces) == len(model.faces)
     found, expected = static_peak(same, loads), static_peak(model, loads)
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=1e-9)

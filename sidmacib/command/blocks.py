@@ -27,7 +27,6 @@ from sidmacib.command.options import (
 from sidmacib.command.output import (
     plain_row,
     refused_in_one_line,
-    rounded_all,
     status_line,
     text_of,
     told_late,
@@ -200,8 +199,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
         named = {name: [*map(plain_row, each)] for name, each in tables.items()}
         answer = {"verdict": "yes" if found.passes else "no", "answer": verdict(found)}
         about = {"file": file.name, "input": task.description}
-        written = with_version(rounded_all({**answer, **about, **named}))
-        click.echo(json.dumps(written, indent=1))
+        click.echo(json.dumps(with_version({**answer, **about, **named}), indent=1))
     else:
         click.echo(verdict(found))
         for name, rows in tables.items():

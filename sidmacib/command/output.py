@@ -46,22 +46,20 @@ BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 def with_version(about: Row) -> Row:
     """What JSON and CSV say beside rows: the version of multilock, and ``about`` by plain names."""
-    return {"version": version("multilock"), **plain_row(about)}
+    return {"version": version("multilock"), **_rounded_in(plain_row(about))}
 
 
 def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     """``rows`` in one of `FORMATS`, in the units that were asked for.
 
-    JSON and CSV have the digits of records, which are the same on every processor.
-
-    A column in m, N and so on has its unit at the end of its name: in a table in brackets, else
-    after an underscore. ``about``: what JSON says beside the rows, and CSV in columns of its own:
-    a list with semicolons, keys and values as JSON.
+    JSON and CSV have the digits of records, which are the same on every processor. A column in m, N
+    and so on has its unit at the end of its name: in a table in brackets, else after an underscore.
+    ``about``: what JSON says beside the rows, and CSV in columns of its own: a list with
+    semicolons, keys and values as JSON.
     """
     rows, beside = in_asked_units(rows), in_asked_units([about or {}])[0]
     if form != "table":
-        rows, beside = rounded_all([plain_row(row) for row in rows]), rounded_all(beside)
-        beside = with_version(beside)
+        rows, beside = _rounded_in([plain_row(row) for row in rows]), with_version(beside)
     if form == "json":
         return json.dumps({**beside, "rows": rows}, indent=1)
     if form == "csv" and about is not None:
@@ -87,13 +85,13 @@ def text_of(rows: Sequence[Row], form: str, about: Row | None = None) -> str:
     return "\n".join(lines)
 
 
-def rounded_all(value: Any) -> Any:
+def _rounded_in(value: Any) -> Any:
     """``value`` with all floating-point numbers in it `rounded`."""
     if isinstance(value, float):
-        return rounded(value) if math.isfinite(value) else value
+        return rounded(value)
     if isinstance(value, dict):
-        return {key: rounded_all(each) for key, each in value.items()}
-    return [*map(rounded_all, value)] if isinstance(value, list | tuple) else value
+        return {key: _rounded_in(each) for key, each in value.items()}
+    return [*map(_rounded_in, value)] if isinstance(value, list | tuple) else value
 
 
 def _in_a_cell(value: Any) -> Any:

@@ -65,8 +65,8 @@ def assemble(
     faces = tuple(_faces(joint, pieces))
     opening = APART * joint.h if joint.interlocking and not plate else math.inf
     at = contact_nodes(faces, mesh, nodes, least)
-    # Flanks bear on each other all the same, so that no lock is preferred.
-    return Assembly(pieces, faces, at, joint.a, joint.failure, mesh, nodes, opening, halfway=True)
+    # Flanks bear on each other all the same: no lock is preferred.
+    return Assembly(pieces, faces, at, joint.a, joint.failure, mesh, nodes, opening, share=0.5)
 
 
 def reassemble(joint: Joint, assembly: Assembly) -> Assembly:

@@ -293,10 +293,9 @@ class Assembly:
 
     ``length`` (m) converts rotations to displacements and moments to forces. ``failure``: of all
     inner faces. ``mesh`` (m) and ``layout``: of the nodes, and of the finite elements of elastic
-    pieces. ``most_opening`` (m): of a face, before a bond fails. ``halfway``: whether frames and
-    nodes of faces are halfway between both pieces as these move, or turn with the piece below and
-    lie on that above. ValueError unless lengths are above 0, and for bonds with friction that
-    are not brittle.
+    pieces. ``most_opening`` (m): of a face, before a bond fails. ``share``: of the piece below in
+    how frames of faces turn, and of that above in where nodes are: all, or half, which prefers
+    none. ValueError unless lengths are above 0, and for bonds with friction that are not brittle.
     """
 
     pieces: tuple[Piece, ...]
@@ -307,7 +306,7 @@ class Assembly:
     mesh: float = math.inf
     layout: NodeLayout = NodeLayout.LOBATTO
     most_opening: float = math.inf
-    halfway: bool = False
+    share: float = 1.0
 
     def __post_init__(self) -> None:
         require_positive(length=self.length)

@@ -142,9 +142,9 @@ def unbalanced_forces(
     """Unbalanced force (N) and moment (N m) on each piece under ``load`` (N), (P, 6).
 
     ``force``: (N, 3) in N, what the piece below each node exerts on the piece above, in the frame
-    of the face. ``motion``: of the pieces since they were built, see `placed`; frames then
-    turn with the pieces below, and nodes are where the pieces above have moved, or both halfway.
-    The moments are about the pieces' centroids; fixed pieces have 0.
+    of the face. ``motion``: of the pieces since they were built, see `placed`; frames then turn
+    with the pieces below, and nodes are where the pieces above have moved, or both halfway. The
+    moments are about the pieces' centroids; fixed pieces have 0, and what a guide holds.
     """
     unbalanced = loads.at(load)
     below, above = np.array([(face.below, face.above) for face in assembly.faces])[
@@ -156,7 +156,7 @@ def unbalanced_forces(
         rotation = importlib.import_module("scipy.spatial.transform").Rotation
         turns = rotation.from_rotvec(motion[:, 3:])
         turn, quaternion = turns.as_matrix(), turns.as_quat(canonical=True)
-        share = 0.5 if assembly.halfway else 1.0
+        share = assembly.share
         mean = share * quaternion[below] + (1.0 - share) * quaternion[above]
         frames = frames @ np.swapaxes(rotation.from_quat(mean).as_matrix(), 1, 2)
         moved = centre + motion[:, :3]

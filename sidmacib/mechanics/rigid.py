@@ -394,7 +394,7 @@ def _contact_faces(assembly: Assembly, law: ContactLaw, order: Ordering) -> Cont
         np.searchsorted(of_triangle, np.arange(len(axes) + 1)),
         np.zeros((len(ends), 6, 6)),
         assembly.length,
-        0.5 if assembly.halfway else 1.0,
+        assembly.share,
         -1,
         float(normal.max()) * assembly.length**2,
         order.inner,

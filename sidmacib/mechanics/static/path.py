@@ -20,8 +20,9 @@ GROWTH = 0.01  # or over the load where that is more
 PATIENCE = 1 / 16  # of the largest increment: below it the solver is thorough
 MOST_TO_THE_TOP = 100  # steps in which a displacement is given
 AT_THE_TOP = 1e-6  # of the load: how far it may fall in a step from the top, which is then found
-OVER_THE_TOP = 1e-3  # of the load: above it, pieces that drift may come to rest elsewhere, or
-MOST_OVER = 10  # times on a path, rounds of friction may settle that did not just below
+# Of the load: so far above it, pieces that drift may come to rest elsewhere, or rounds of friction
+# settle that did not just below, which is tried so many times on a path.
+OVER_THE_TOP, MOST_OVER = 1e-3, 10
 LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
 MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
 DEEP = 0.1  # of the assembly's length: faces pressed in by so much are no joints any more
