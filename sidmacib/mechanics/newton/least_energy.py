@@ -63,6 +63,8 @@ def least_energy(contacts, matrix, here, target, guess, slip, whole, limits):
         if not solve_linear(contacts, matrix, step):
             break
         steepest, part, tried = product(here.residual, step), 1.0, 0
+        if not steepest > 0.0:  # pieces that have turned: the energy is not convex
+            break
         low, low_slope, high, high_slope = 0.0, steepest, np.inf, 0.0
         start = start_at(here)
         while True:

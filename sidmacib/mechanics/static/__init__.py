@@ -3,10 +3,10 @@
 The load rises in increments, so that friction has its history. When a node reaches its strength it
 loses all of it at once, together with the nodes that fail at the same load, and a new equilibrium
 is sought at that load; if there is none, the load is the peak. A solver finds the equilibria: one
-for rigid pieces, one for elastic pieces. In structures of rigid blocks forces balance where these
-have moved to; in joints and elastic blocks where they were built. Equilibria in which a piece has
-turned by more than 2 degrees where bonds have failed do not count, as it may meet others there.
-Before, locks may not come apart by more than a share of their height.
+for rigid pieces, whose forces balance where they have moved to, one for elastic pieces, whose
+forces balance where they were built. Equilibria in which a piece has turned by more than 2 degrees
+where bonds have failed do not count, as it may meet others there. Before, locks may not come apart
+by more than a share of their height.
 
 Pieces may also move away while all bonds are whole. To see how, the model pushes them slightly
 beyond the peak, against drag. If that lifts them against the permanent loads they rock; otherwise
@@ -14,6 +14,7 @@ they slide, as sliding along plane faces lifts nothing.
 """
 
 import importlib
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -243,14 +244,18 @@ def _to_first_failure(solver: Solver) -> tuple[list[Equilibrium], Flags, float]:
         return path, failing, refinement
     coarser: list[Equilibrium] = []
     while refinement > LEAST_REFINEMENT:
-        if refinement * INCREMENT * solver.scale * FEWEST <= path[-1].load:
-            coarser = coarser or raised(solver, [start], 2.0)[0]
+        with_fewest = path[-1].load / (INCREMENT * solver.scale * FEWEST)
+        if with_fewest >= refinement:
+            coarser = coarser or raised(solver, [start], 2.0 * refinement)[0]
             if not _doubted(solver, coarser, path, bonds=bool(failing.any())):
                 break
-        finer, finer_failing = raised(solver, [start], refinement / 2)
+        with_fewest = max(min(with_fewest, refinement / 2), LEAST_REFINEMENT)
+        next_one = 2.0 ** math.floor(math.log2(with_fewest))
+        finer, finer_failing = raised(solver, [start], next_one)
         if failing.any() and not finer_failing.any():
             break
-        coarser, path, failing, refinement = path, finer, finer_failing, refinement / 2
+        coarser = path if next_one == refinement / 2 else []
+        path, failing, refinement = finer, finer_failing, next_one
     return path, failing, refinement
 
 

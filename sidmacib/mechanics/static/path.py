@@ -136,12 +136,13 @@ class _Rise:
 
     def _steps_over(self) -> bool:
         """Whether there is an equilibrium a little above that at the end of the path after all."""
-        low = self.path[-1]
+        low, solver = self.path[-1], self.solver
         load, self.over = (1.0 + OVER_THE_TOP) * low.load, self.over + 1
-        if not self.solver.finite or self.solver.drifts or self.over > MOST_OVER:
+        nothing = low.load <= LEAST_LOAD * solver.scale
+        if nothing or not solver.finite or solver.drifts or self.over > MOST_OVER:
             return False
         try:
-            point = self.solver.solve(load, low.unknowns, low.state, thorough=True)
+            point = solver.solve(load, low.unknowns, low.state, thorough=True)
         except NoEquilibriumError:
             return False
         self.lost, self.increment = math.inf, load - low.load
