@@ -19,8 +19,9 @@ from scipy.sparse import csr_array, diags_array, eye_array, kron
 
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design import Layout, WeightsSection
+from sidmacib.mechanics.admissible import within
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
@@ -204,7 +205,7 @@ def case_forces(
     cone, unit = ContactLaw.of(structure.assembly).cone(), structure.unit
     nodes = cp.Variable((len(cone.held), 3))
     locks = cp.Variable(structure.at_locks.shape[1])
-    size = cp.norm(nodes[:, 1:], 2, axis=1)
+    scaled = Cone(cone.held / unit, cone.slope, cone.torn / unit)
     most = structure.portions @ strength
     permanent, variable = (
         loads.ravel()[structure.free] / structure.row_scale
@@ -214,8 +215,7 @@ def case_forces(
     constraints = [
         structure.at_nodes @ cp.vec(nodes, order="C") + structure.at_locks @ locks
         == permanent + factor * variable,
-        size <= cone.held / unit + cp.multiply(cone.slope, nodes[:, 0]),
-        nodes[:, 0] >= -cone.torn / unit,
+        *within(scaled, nodes[:, 0], nodes[:, 1:], np.arange(len(cone.held))),
         *either,
     ]
     return CaseForces(locks, constraints, either)

@@ -75,42 +75,27 @@ def admissible(
     of pressed parts of ``limited`` faces by `sidmacib.mechanics.crushing`.
     """
     law, units = ContactLaw.of(assembly), Scales.of(assembly, loads)
-    dry = ~law.cohesive & ~law.locked
-    bonded, locks = np.flatnonzero(law.cohesive), np.flatnonzero(law.locked)
-    rough = np.flatnonzero(dry & (cone.slope > 0.0))
-    smooth = np.flatnonzero(dry & (cone.slope <= 0.0))
+    locks, others = np.flatnonzero(law.locked), np.flatnonzero(~law.locked)
     every = equilibrium_matrix(assembly)
     C = _scaled(every[free_rows(assembly)], units)
     p, q = scaled_loads(assembly, loads, units)
-    tau, mu, sigma = cone.held / units.node, cone.slope, cone.torn / units.node
+    scaled = Cone(cone.held / units.node, cone.slope, cone.torn / units.node)
     s_n, s_t = s[:, 0], s[:, 1:]
-
-    def size(nodes: Integers) -> cp.Expression:
-        return cp.norm(s_t[nodes], 2, axis=1)
-
-    def limit(nodes: Integers) -> Floats | cp.Expression:
-        by_pressure = cp.multiply(mu[nodes], s_n[nodes]) if mu[nodes].any() else 0.0
-        return tau[nodes] + by_pressure
-
     constraints = [
         # ``s`` acts on the pieces above, C is for those below: hence no minus.
         C @ cp.vec(s, order="C") == p + load * q,
-        size(bonded) <= limit(bonded),
-        s_n[bonded] >= -sigma[bonded],
-        size(rough) <= limit(rough),
-        s_t[smooth] == 0,
-        s_n[smooth] >= 0,
+        *within(scaled, s_n, s_t, others),
     ]
     if driven is not None:
         of_nodes = (driven.ravel() @ every) * np.repeat(units.node, 3) / units.load
         constraints.append(of_nodes @ cp.vec(s, order="C") == load)
-    if tau[rough].any():
-        constraints.append(s_n[rough] >= 0)
     if twist is not None and twist.motions:
+        rough = np.flatnonzero(~law.cohesive & ~law.locked & (cone.slope > 0.0))
         forces, limits = twist.rows(assembly, rough, units.node)
-        constraints.append(forces @ cp.vec(s_t[rough], order="C") <= limits @ limit(rough))
+        most = _most_shear(scaled, s_n, rough)
+        constraints.append(forces @ cp.vec(s_t[rough], order="C") <= limits @ most)
     if len(locks):
-        along, across = mu[locks], tau[locks]
+        along, across = scaled.slope[locks], scaled.held[locks]
         constraints += [
             s_n[locks] >= 0,
             s_t[locks, 0] <= cp.multiply(along, s_n[locks]),
@@ -121,8 +106,33 @@ def admissible(
     return [
         *constraints,
         *_of_rules(assembly, units, s_n, s_t),
-        *_of_crushing(assembly, units, limited, s_n, np.where(law.cohesive, sigma, 0.0)),
+        *_of_crushing(assembly, units, limited, s_n, np.where(law.cohesive, scaled.torn, 0.0)),
     ]
+
+
+def within(
+    cone: Cone, s_n: cp.Expression, s_t: cp.Expression, nodes: Integers
+) -> list[cp.Constraint]:
+    """Forces ``s_n``, (N,), and ``s_t``, (N, 2), at ``nodes`` keep the ``cone`` of all nodes.
+
+    In the unit of ``cone``, and for all models: nothing else says what a node carries.
+    """
+    held, slope = cone.held[nodes], cone.slope[nodes]
+    rubs = nodes[(held > 0.0) | (slope > 0.0)]
+    smooth = nodes[(held <= 0.0) & (slope <= 0.0)]
+    # A cone through the origin keeps s_n above 0 by itself.
+    pulled = nodes[(held > 0.0) | (slope <= 0.0) | (cone.torn[nodes] > 0.0)]
+    return [
+        cp.norm(s_t[rubs], 2, axis=1) <= _most_shear(cone, s_n, rubs),
+        s_t[smooth] == 0,
+        s_n[pulled] >= -cone.torn[pulled],
+    ]
+
+
+def _most_shear(cone: Cone, s_n: cp.Expression, nodes: Integers) -> Floats | cp.Expression:
+    """The largest shear at ``nodes``; a number where none of them has friction."""
+    held, slope = cone.held[nodes], cone.slope[nodes]
+    return held + cp.multiply(slope, s_n[nodes]) if slope.any() else held
 
 
 def _of_crushing(

@@ -30,7 +30,9 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
+from sidmacib.mechanics.admissible import within
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.contact_law import Cone
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import free_rows, moments_of, row_units
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
@@ -265,8 +267,9 @@ class Kinematics:
 
 def _admissible(contacts: Contacts, s: cp.Variable) -> list[cp.Constraint]:
     """Contact forces ``s``, (K, 3), press, and are within the cones of friction."""
-    s_n, s_t = s[:, 0], s[:, 1:]
-    return [s_n >= 0, cp.norm(s_t, 2, axis=1) <= cp.multiply(contacts.friction, s_n)]
+    none = np.zeros_like(contacts.friction)
+    cone = Cone(none, contacts.friction, none)
+    return within(cone, s[:, 0], s[:, 1:], np.arange(len(none)))
 
 
 def _verdict(failed: Sequence[CapacityError]) -> str:
