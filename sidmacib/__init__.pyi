@@ -30,9 +30,9 @@ from .joint.pieces import lock_weights as lock_weights
 from .mechanics.assembly import Assembly as Assembly
 from .mechanics.assembly import Elastic as Elastic
 from .mechanics.assembly import FaceMaterial as FaceMaterial
-from .mechanics.assembly import Loads as Loads
 from .mechanics.assembly import NodeLayout as NodeLayout
 from .mechanics.limit import limit_load as limit_load
+from .mechanics.loads import Loads as Loads
 from .mechanics.static import static_first_failure as static_first_failure
 from .mechanics.static import static_peak as static_peak
 from .mechanics.static.peaks import lowest_peak as lowest_peak

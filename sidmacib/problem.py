@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sidmacib.errors import ResultError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.mechanics.loads import Loads
 
 PEAK, FIRST_FAILURE, DRY_PEAK = "peak", "first failure", "peak of dry joints"
 AT_THE_LOAD = "at the load"

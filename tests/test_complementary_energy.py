@@ -11,9 +11,10 @@ from scipy.sparse import csr_array
 
 from sidmacib import SolverError, static_peak
 from sidmacib.joint import DRY, INNER
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.rigid import RigidSolver
 

@@ -28,13 +28,14 @@ from sidmacib import (
 from sidmacib.joint import Direction, HoldDown, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import shared_face
-from sidmacib.mechanics.assembly import Cuboid, Floats, Kind, SideLoad
+from sidmacib.mechanics.assembly import Cuboid, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.elastic import ElasticSolver, memory, memory_needed
 from sidmacib.mechanics.elastic.finite_elements import ElasticCuboid, Grid, Spread
 from sidmacib.mechanics.elastic.jumps import OpenGaps
 from sidmacib.mechanics.equilibrium import unbalanced_forces, unbalanced_share
+from sidmacib.mechanics.loads import SideLoad
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static import solver_of, static_first_failure, static_peak
 

@@ -23,8 +23,9 @@ from sidmacib.engines.render import write_script
 from sidmacib.engines.run import OUTPUTS, EngineError, execute
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint import DRY, INNER, Direction, HoldDown, Joint, OwnLock, Side
-from sidmacib.mechanics.assembly import FaceMaterial, Failure, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import FaceMaterial, Failure, Kind, NodeLayout
 from sidmacib.mechanics.equilibrium import self_weight
+from sidmacib.mechanics.loads import Loads
 from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box

@@ -28,7 +28,8 @@ from sidmacib.mechanics.newton import put_at
 from sidmacib.mechanics.newton.faces import Applied, ContactFaces, Point, new_point, put_slips
 from sidmacib.mechanics.newton.linear import solve_linear
 from sidmacib.mechanics.newton.stiffness import tangent_stiffness
-from sidmacib.mechanics.rigid import RigidSolver, ordering
+from sidmacib.mechanics.ordering import ordering
+from sidmacib.mechanics.rigid import RigidSolver
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 

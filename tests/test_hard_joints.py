@@ -18,10 +18,11 @@ from sidmacib.engines.results import read_outcome
 from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.joint import Direction, HoldDown, Joint
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import compliance, placed, unbalanced_share
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.newton import friction_rounds
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch
 from sidmacib.mechanics.rigid import RigidSolver

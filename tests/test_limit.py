@@ -13,10 +13,11 @@ from joints import loaded, sawn
 from sidmacib import UnboundedError
 from sidmacib.joint import HoldDown, Joint, UpperBody
 from sidmacib.joint.parameters import with_parameters
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.loads import Loads
 
 
 @pytest.mark.parametrize("e_over_a", [0.0, -5.0, math.inf])

@@ -12,8 +12,9 @@ from structures import dry
 from sidmacib import OPTIONS, InfeasibleError, Sidmacib, capacity, limit_load, static_peak
 from sidmacib.joint import DRY, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
-from sidmacib.mechanics.assembly import Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.limit import require_standing
+from sidmacib.mechanics.loads import Loads
 from sidmacib.rule import RULES
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.structure_file import structure_of

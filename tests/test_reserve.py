@@ -13,7 +13,8 @@ from conftest import ROOT
 from structures import CUBE, GROUND, PUSH, dry, example, study
 
 from sidmacib import limit_load, static_peak
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, Vector
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Vector
+from sidmacib.mechanics.loads import Loads
 from sidmacib.structure.analysis.forces import InterfaceRow, interface_forces
 from sidmacib.structure.analysis.reserve import geometrical_factor, least_push, pushes
 from sidmacib.structure.blocks import box, prism

@@ -21,7 +21,8 @@ from sidmacib import (
     static_peak,
 )
 from sidmacib.joint.loading import Loading, posed
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.cutting import cut

@@ -30,7 +30,8 @@ from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import read_task, write_designed
 from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.design.sizing import carried
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout, Vector
+from sidmacib.mechanics.assembly import Assembly, NodeLayout, Vector
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import static_tilt, tilting

@@ -23,11 +23,11 @@ from sidmacib.mechanics.assembly import (
     Failure,
     Floats,
     Kind,
-    Loads,
     Nodes,
     Vector,
 )
 from sidmacib.mechanics.equilibrium import face_frames, self_weight
+from sidmacib.mechanics.loads import Loads
 from sidmacib.problem import Outcome, Problem, State
 from workflow.case import REFERENCE, JointCase
 from workflow.results import record_of, record_without_result

@@ -20,10 +20,11 @@ from scipy.sparse import csr_array, diags_array, eye_array, kron
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design import Layout, WeightsSection
 from sidmacib.mechanics.admissible import within
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
 
 

@@ -21,11 +21,11 @@ from sidmacib.mechanics.assembly import (
     Failure,
     Floats,
     Kind,
-    Loads,
     Piece,
     Rectangle,
 )
 from sidmacib.mechanics.equilibrium import natural_frequencies
+from sidmacib.mechanics.loads import Loads
 from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.loads import SupportMotion
 

@@ -21,17 +21,10 @@ from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
 from sidmacib.engines.scripts.children import ENDS_WITH_PARENT
 from sidmacib.engines.scripts.records import NO_ANSWER, OUTPUTS
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import (
-    OF_BONDS,
-    Assembly,
-    Cuboid,
-    FaceMaterial,
-    Failure,
-    Kind,
-    Loads,
-)
+from sidmacib.mechanics.assembly import OF_BONDS, Assembly, Cuboid, FaceMaterial, Failure, Kind
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import compliance
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.static import static_peak
 from sidmacib.model import Ability
 from sidmacib.problem import Outcome, Problem

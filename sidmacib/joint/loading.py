@@ -9,8 +9,9 @@ import numpy as np
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.joint.pieces import assemble, lock_name, upper_bodies
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout, SideLoad
+from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import self_weight
+from sidmacib.mechanics.loads import Loads, SideLoad
 from sidmacib.problem import Problem
 from sidmacib.validation import refused, require_member
 

@@ -7,7 +7,7 @@ import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces, resultant_rows, stress_blocks
 from sidmacib.mechanics.equilibrium import (
@@ -16,6 +16,7 @@ from sidmacib.mechanics.equilibrium import (
     row_units,
     sparse_rows,
 )
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.twist import Twist
 

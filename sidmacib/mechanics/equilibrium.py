@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, Piece
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Piece
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.loads import Loads
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

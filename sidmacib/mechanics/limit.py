@@ -26,10 +26,11 @@ from sidmacib.errors import (
     UnboundedError,
 )
 from sidmacib.mechanics.admissible import LARGEST, Scales, admissible, scaled_loads, square_sum
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.equilibrium import motion_of
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.twist import EXCESS, Twist, torque_use

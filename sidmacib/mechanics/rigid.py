@@ -2,24 +2,19 @@
 
 The contact law gives a node's force from the relative displacement of its two pieces, so the size
 of the matrices in Newton's method depends on the number of pieces only, not on the mesh.
-
-Unknowns are ordered so that coupled ones are close together. Pieces that touch few others give the
-stiffness a narrow band. A piece that touches very many, such as a monolithic body above all locks,
-would make the band as wide as the matrix; it goes into a border behind the band.
 """
 
 import math
 from copy import copy
-from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from sidmacib.errors import CapacityError, NoEquilibriumError
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import NORMAL
 from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units, soft_law
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.newton import PATIENT, QUICK, controlled, elastic, newton, put_at
 from sidmacib.mechanics.newton.drift import falls, pushed, settled
 from sidmacib.mechanics.newton.faces import (
@@ -31,6 +26,7 @@ from sidmacib.mechanics.newton.faces import (
 from sidmacib.mechanics.newton.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.newton.linear import Matrix
 from sidmacib.mechanics.newton.stiffness import whole_faces
+from sidmacib.mechanics.ordering import Ordering, ends_of, ordering
 from sidmacib.mechanics.solution import (
     LARGEST_STEP,
     Equilibrium,
@@ -39,7 +35,6 @@ from sidmacib.mechanics.solution import (
     lifted_part,
 )
 
-Graph = dict[int, set[int]]  # pieces and those that they touch
 # Unbalanced force over the loads, at equilibrium; and where faces are so stiff that they carry the
 # rounding of displacements.
 RESIDUAL, RESIDUAL_OF_STIFF = 1e-10, 1e-8
@@ -56,93 +51,6 @@ PUSHED = 1e-3  # of the assembly's length: how far pieces are followed that move
 # Stiffness of the stiffest face over that of the softest: above the first, rounding matters; above
 # the second, Newton's method may not follow pieces that turn. Faces far below are as good as rigid.
 STIFF, MOST_STIFF = 1e4, 1e6
-
-
-@dataclass(frozen=True)
-class Ordering:
-    """An order of the free pieces, see `sidmacib.mechanics.newton.faces.ContactFaces`.
-
-    ``begin``: first unknown of each piece, (P,). ``inner``, ``outer``: numbers of unknowns in the
-    band and behind it. ``band``: largest distance between coupled inner unknowns.
-    """
-
-    begin: Integers
-    inner: int
-    outer: int
-    band: int
-
-    @property
-    def work(self) -> int:
-        """Approximate number of multiplications in one elimination."""
-        return self.inner * (self.band + self.outer) ** 2 + self.outer**3
-
-
-def ordering(assembly: Assembly) -> Ordering:
-    """The order with the least work: pieces go into the border as long as that saves any."""
-    free = sum(not piece.fixed for piece in assembly.pieces)
-    return _least_work(free, tuple(map(tuple, _ends(assembly)[1].tolist())))
-
-
-def _ends(assembly: Assembly) -> tuple[Integers, Integers]:
-    """Pieces below and above each face, (F, 2), and these counted among free ones, -1 for fixed."""
-    fixed = np.array([piece.fixed for piece in assembly.pieces])
-    ends = np.array([(face.below, face.above) for face in assembly.faces])
-    return ends, np.where(fixed, -1, np.cumsum(~fixed) - 1)[ends]
-
-
-@lru_cache(maxsize=32)  # joints with as many locks differ in sizes only
-def _least_work(pieces: int, pairs: tuple[tuple[int, ...], ...]) -> Ordering:
-    """`ordering` of that many free ``pieces``; ``pairs``: those that touch, -1 for fixed ones."""
-    graph: Graph = {piece: set() for piece in range(pieces)}  # and the free ones that they touch
-    for below, above in pairs:
-        if below >= 0 and above >= 0:
-            graph[below].add(above)
-            graph[above].add(below)
-    by_contacts = sorted(graph, key=lambda piece: -len(graph[piece]))
-    best = _bordered(graph, [])
-    for count in range(1, len(by_contacts)):
-        other = _bordered(graph, by_contacts[:count])
-        if other.work >= best.work:
-            break
-        best = other
-    return best
-
-
-def _bordered(graph: Graph, border: list[int]) -> Ordering:
-    inside = {piece: graph[piece].difference(border) for piece in graph if piece not in border}
-    order = [*_cuthill_mckee(inside), *border]
-    begin = np.empty(len(order), dtype=np.int64)
-    begin[order] = RIGID * np.arange(len(order))
-    first = begin.tolist()
-    apart = [first[one] - first[other] for one in inside for other in inside[one]]
-    band = max(apart, default=0) + RIGID - 1
-    return Ordering(begin, RIGID * len(inside), RIGID * len(border), band)
-
-
-def _cuthill_mckee(graph: Graph) -> list[int]:
-    """Pieces in the order of Cuthill and McKee (1969), from an end of each connected part.
-
-    `scipy.sparse.csgraph.reverse_cuthill_mckee` breaks ties in another way, as for three locks
-    below one body, which changes the order of elimination and so the last digits of results.
-    """
-    order: list[int] = []
-    seen: set[int] = set()
-    for piece in sorted(graph, key=lambda piece: len(graph[piece])):
-        if piece not in seen:
-            part = _breadth_first(graph, _breadth_first(graph, piece)[-1])
-            order += part
-            seen.update(part)
-    return order
-
-
-def _breadth_first(graph: Graph, start: int) -> list[int]:
-    """The pieces connected to ``start``, nearest first, among equals those with few neighbours."""
-    order, seen = [start], {start}
-    for piece in order:  # which grows meanwhile
-        new = sorted(graph[piece] - seen, key=lambda other: (len(graph[other]), other))
-        order += new
-        seen.update(new)
-    return order
 
 
 class RigidSolver(Solver):
@@ -376,7 +284,7 @@ def _stiffest(contacts: ContactFaces) -> float:
 
 
 def _contact_faces(assembly: Assembly, law: ContactLaw, order: Ordering) -> ContactFaces:
-    nodes, axes, (ends, free) = assembly.nodes, face_axes(assembly), _ends(assembly)
+    nodes, axes, (ends, free) = assembly.nodes, face_axes(assembly), ends_of(assembly)
     middle = np.array([face.middle for face in assembly.faces])
     arms = nodes.position - middle[nodes.face]
     centres = np.array([piece.centre for piece in assembly.pieces])

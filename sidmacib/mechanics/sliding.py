@@ -18,9 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Cone, ContactLaw, Flags
 from sidmacib.mechanics.limit import CALM, FALLS, LimitState, limit_load, solved
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.twist import Twist
 
 SLOPE = 0.01  # of the limit, over the friction coefficient

@@ -9,8 +9,9 @@ from sidmacib.answers.said import of_static
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import CRUSHING, StaticAnswer, bond_fails, followed
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.equilibrium import has_bonds, placed
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.models.static import state_of

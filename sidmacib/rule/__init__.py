@@ -22,9 +22,10 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Hold, Joint
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import FAR, assemble, roots
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames, self_weight
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import MOVED, Mode, Solver
 from sidmacib.mechanics.static import first_failure_of, solver_of

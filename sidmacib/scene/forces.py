@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Face, Floats, Loads, Vector
+from sidmacib.mechanics.assembly import Assembly, Face, Floats, Vector
+from sidmacib.mechanics.loads import Loads
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import InterfaceRow
 from sidmacib.structure.loads import PointForce, beside_of, weight_of_free

@@ -12,8 +12,9 @@ from difflib import get_close_matches
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import self_weight
+from sidmacib.mechanics.loads import Loads
 from sidmacib.quantities import some_of
 from sidmacib.validation import refused
 

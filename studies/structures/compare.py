@@ -15,7 +15,8 @@ import yaml
 from sidmacib.engines import ENGINES
 from sidmacib.engines.run import engine_outcome
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import limit_tilt

@@ -28,9 +28,10 @@ from numba import njit
 from scipy.optimize import linprog
 from scipy.sparse import block_diag, csr_array, diags_array, hstack
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, free_rows, row_units
+from sidmacib.mechanics.loads import Loads
 from sidmacib.structure.analysis.limit import SECTOR
 from sidmacib.structure.analysis.tilt import LARGEST, turned
 from studies.structures.shapes import HEAVY, Sample

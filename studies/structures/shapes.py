@@ -20,8 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from sidmacib.errors import InfeasibleError
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, FaceMaterial, Loads, NodeLayout, Vector
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, FaceMaterial, NodeLayout, Vector
 from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.static import static_peak
 from sidmacib.structure.analysis.limit import limit_tilt
 from sidmacib.structure.analysis.tilt import static_tilt, tilting

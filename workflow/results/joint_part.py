@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from sidmacib.joint.pieces import LockWeight, lock_weights
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Outcome
 from sidmacib.quantities import clean, rounded

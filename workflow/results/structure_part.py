@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.equilibrium import has_bonds
+from sidmacib.mechanics.loads import Loads
 from sidmacib.problem import Outcome
 from sidmacib.quantities import rounded
 from sidmacib.structure.analysis.forces import BlockRow, InterfaceRow, block_rows, interfaces_of

@@ -25,11 +25,12 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.linalg.blas import dgemm
 
 from sidmacib.errors import CapacityError, NoEquilibriumError, SolverError
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import element_edges, flexibility
 from sidmacib.mechanics.elastic.jumps import LooseNodes, OpenGaps, cholesky_factor, inverse_by
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.newton import STEPS
 from sidmacib.mechanics.solution import (
     LARGEST_STEP,

@@ -5,10 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, NodeLayout
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_nodes import cell_counts, cells_along
 from sidmacib.mechanics.elastic.finite_elements import ElasticCuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.loads import Loads
 
 PLACE_DIGITS = 12  # of places, where shapes are compared
 

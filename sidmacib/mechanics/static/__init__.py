@@ -20,10 +20,11 @@ from dataclasses import replace
 import numpy as np
 
 from sidmacib.errors import NoEquilibriumError, NoStiffnessError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Failure, Floats
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import compliance
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import (
     Equilibrium,

@@ -16,9 +16,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from sidmacib.errors import CapacityError, NoEquilibriumError
-from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Failure, Floats
 from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
     Equilibrium,

@@ -31,11 +31,12 @@ from scipy.sparse import csr_array, vstack
 
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.admissible import within
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import Cone
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import free_rows, moments_of, row_units
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.structure.analysis.contacts import (
     Contacts,

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sidmacib.errors import CapacityError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import has_bonds
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.tilt import LARGEST, LEVEL, turned, turning

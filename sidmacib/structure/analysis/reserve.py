@@ -28,10 +28,11 @@ from sidmacib.errors import (
     NoEquilibriumError,
     UnboundedError,
 )
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector
+from sidmacib.mechanics.assembly import Assembly, Floats, Vector
 from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
 from sidmacib.mechanics.equilibrium import is_dry
 from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static import first_failure_of, solver_of

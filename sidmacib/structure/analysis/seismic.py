@@ -19,7 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Integers
+from sidmacib.mechanics.loads import Loads
 from sidmacib.structure.analysis.kinematics import (
     FURTHER,
     WEDGE,

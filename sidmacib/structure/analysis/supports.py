@@ -25,8 +25,9 @@ from sidmacib.errors import (
     NoEquilibriumError,
     UnboundedError,
 )
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats, Kind, Loads, Nodes
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats, Kind, Nodes
 from sidmacib.mechanics.equilibrium import equilibrium_matrix
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium

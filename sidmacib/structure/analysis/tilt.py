@@ -20,9 +20,10 @@ from enum import StrEnum
 import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError, NoStiffnessError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, motion_of, row_units
+from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.raised import A_LOAD, Tilt
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches

@@ -8,7 +8,8 @@ import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from sidmacib.joint.parameters import beyond
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats
+from sidmacib.mechanics.loads import Loads
 from sidmacib.quantities import Density, Newtons, Number, Span
 from sidmacib.reading import Keys, Some, Text, Vector, Way
 from sidmacib.structure.analysis.tilt import LEVEL, tilting

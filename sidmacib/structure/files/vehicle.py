@@ -8,7 +8,8 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import model_validator
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.loads import Loads
 from sidmacib.quantities import Newtons, Number
 from sidmacib.reading import Keys, PlanPoint, Some
 from sidmacib.structure.loads import Permanent
