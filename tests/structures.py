@@ -15,6 +15,8 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.models import MODELS
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.files.block_files import surfaces_in
+from sidmacib.structure.files.repair import repaired
 from sidmacib.structure.files.structure_file import description_in, structure_of
 from sidmacib.structure.structure import structure
 from sidmacib.yaml_text import read_yaml
@@ -183,3 +185,7 @@ DEMANDED = {
         },
     },
 }
+
+
+def blocks_from_mesh(path: Path, density: float) -> dict[str, Block]:
+    return {name: repaired(name, *of, density) for name, of in surfaces_in(path).items()}
