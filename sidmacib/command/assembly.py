@@ -1,6 +1,5 @@
 """What the command `assembly` prints and writes: loads, forces, verdicts and reserves."""
 
-import math
 import shlex
 import sys
 from collections.abc import Sequence
@@ -12,7 +11,7 @@ import click
 
 from sidmacib.answers.ask import Solved, Tell, limit_of, static_of
 from sidmacib.answers.in_time import TimeAnswer
-from sidmacib.answers.structure_paths import LOWER
+from sidmacib.answers.reserve import Followed, Reserve, reserve, under
 from sidmacib.answers.verdict import lower_first
 from sidmacib.command.answers import Row
 from sidmacib.command.cases import case_rows, factor_picture
@@ -37,13 +36,12 @@ from sidmacib.command.structures import (
 from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Vector
 from sidmacib.mechanics.crushing import crushed_faces
-from sidmacib.mechanics.equilibrium import is_dry
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit import LimitTilt, assumes
-from sidmacib.structure.analysis.reserve import Reserve, reserve
+from sidmacib.structure.analysis.reserve import Push
 from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand, demands_of, files_behind, notes_on
-from sidmacib.structure.loads import StructureLoads, SupportMotion, pushed
+from sidmacib.structure.loads import SupportMotion
 from sidmacib.structure.partial_factors import PartialFactors
 from sidmacib.structure.shaking import TimeLoads
 from sidmacib.structure.structure import with_dry_joints
@@ -218,9 +216,7 @@ def _reserve_passes(wanted: Wanted, demand: Demand) -> bool:
     say(words, wanted.form)
     wanted.show(rows, verdict=words.partition(":")[0].lower(), answer=words)
     if wanted.draws:
-        assembly, loads = demand.problem
-        assert isinstance(loads, StructureLoads), "loads of a structure"
-        solved = Solved.of(Demand(Problem(assembly, pushed(assembly, loads, weakest))))
+        solved = Solved.of(Demand(under(demand.problem, weakest)))
         wanted.draw(rows, solved, words)
     if not passes:
         note_turned(wanted.description, wanted.file.parent)
@@ -337,8 +333,7 @@ def reserve_rows(problem: Problem, tell: Tell = str) -> tuple[list[Row], str, bo
         return rows, f"{said}: {lower_first(str(error))}", False, ALONG_X
     if found.bonds:
         problem = with_dry_joints(problem)
-    dry = is_dry(problem.assembly)
-    note = _factor_note(found.factor, dry=dry)
+    note = _factor_note(found.factor, dry=found.dry)
     cells = [("limit", "geometrical safety factor", found.factor, note)]
     if crushed_faces(problem.assembly):
         note = "strength of the blocks over the strength needed" if found.strength else NO_LIMIT
@@ -359,12 +354,10 @@ def reserve_rows(problem: Problem, tell: Tell = str) -> tuple[list[Row], str, bo
         what = f"least horizontal acceleration (g), towards {_way(least.direction)}"
         note = "first failure of a bond" if least.bonds else "the peak"
         cells.append(("static", what, least.acceleration, note))
-    words = f"Yes: {_stands(found, dry=dry)}"
+    words = f"Yes: {_stands(found)}"
     if found.falls:
         words = f"No: {lower_first(found.static)} in the static model"
-    weakest = ALONG_X if found.least is None else found.least.direction
-    if found.followed is not None:
-        weakest = found.followed.direction
+    weakest = found.decides.direction if found.decides else ALONG_X
     return table(*cells), words, not found.falls, weakest
 
 
@@ -374,22 +367,22 @@ def _factor_note(factor: float | None, *, dry: bool) -> str:
     return NO_LIMIT if dry else "for dry interfaces only"
 
 
-def _stands(found: Reserve, *, dry: bool) -> str:
-    words, push, followed = "it stands", found.least, found.followed
+def _stands(found: Reserve) -> str:
+    words, first = "it stands", found.decides
     if found.bonds:
         words += " with dry joints"
     if found.factor is not None:
         words += f", with a geometrical safety factor of {found.factor:.3g}"
-    least = math.inf if push is None or not dry else (1.0 - LOWER) * push.acceleration
-    if followed and followed.acceleration < least:
-        what = "its first bond fails" if followed.bonds else "it falls"
-        words += f"; {what} at {followed.acceleration:.3g} g towards {_way(followed.direction)}"
-    elif push is None:
+    if first is None:
         words += "; no horizontal acceleration fells it in limit analysis"
     else:
-        tilt = "" if push.tilt is None else f", a tilt of {push.tilt:.3g} degrees"
-        words += f"; it falls at {push.acceleration:.3g} g towards {_way(push.direction)}{tilt}"
-        if followed is None:
+        what = "it falls"
+        if isinstance(first, Followed) and first.bonds:
+            what = "its first bond fails"
+        words += f"; {what} at {first.acceleration:.3g} g towards {_way(first.direction)}"
+        if isinstance(first, Push) and first.tilt is not None:
+            words += f", a tilt of {first.tilt:.3g} degrees"
+        if found.followed is None:
             words += " in limit analysis, which may overestimate"
     if found.static:
         words += f"; the static model: {found.static}"

@@ -235,7 +235,8 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     joint moves.
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
-    stiff as roots, or where friction alone holds the joint. Errors of `law`.
+    stiff as roots, or where friction alone holds the joint, with these bonds or with stronger ones.
+    Errors of `law`.
     """
     require_covered(joint)
     margin, loading = margin_of(joint), Loading(direction, push=push)
@@ -243,13 +244,14 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     meshes = _meshes(joint)
     rough = _on_meshes(weak, loading, meshes)
     modes, without = {each.mode for each in rough}, []
-    if not modes.isdisjoint(MOVED):
+    if not {*modes, first_failure(joint, loading).mode}.isdisjoint(MOVED):
         smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
         with suppress(CapacityError):
             without = _on_meshes(smooth, loading, meshes)
         if not without and joint.elastic is None:  # friction alone holds it: how far it turns
             meshes = MESHES  # before it slides depends on the mesh
             rough = _on_meshes(weak, loading, meshes)
+            modes = {each.mode for each in rough}
     mode = min(rough, key=lambda each: each.load).mode
 
     def way(failures: Sequence[JointFailure], divisor: float = 1.0) -> WeakFailure:
