@@ -352,3 +352,18 @@ def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> 
     smooth = limit_load(*problem)
     assert smooth.load == pytest.approx(1.685, abs=1e-3)
     assert 0.75 * smooth.load < found.load < 1.71
+
+
+def test_a_joint_that_friction_alone_holds_and_that_moves_far_has_no_safe_load() -> None:
+    """Found by `make attack`: 60 N, for which finer nodes move too far and then carry 56.8 N.
+
+    With the margin a bond fails just before it slides, on the coarse meshes.
+    """
+    joint = sawn(
+        *(2, 0.05236, 0.05, 0.0324, 0.0427, 26076.0),
+        inner=stone(1e10, 3.183e9, 8e4, 1.533e6),
+        dry=FaceMaterial(8.24e9, 8.24e8, 0.5678, 0.0, 0.0),
+        first=Side.LOWER,
+    )
+    with pytest.raises(CapacityError, match=r"blocks move by 0\.03\d of a lock's width"):
+        safe(joint, Direction(-1.15655), Push.MINUS_Y)
