@@ -269,3 +269,17 @@ def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> No
     }
     _, rows, _ = blocks_and_rows(described, tmp_path)  # what is built and drawn
     assert len(rows) == 1
+
+
+def test_solids_are_made_of_a_file_that_is_read_with_the_same_options(tmp_path: Path) -> None:
+    """A file in mm: its blocks were 1000 times as large, as the unit was that of the output."""
+    mm = str(CASES / "mm.obj")
+    for_both = ("--unit", "mm", "--fixed-below", "-10mm")
+    found = run("build", mm, *for_both, "-o", str(tmp_path / "made"), "--format", "json")
+    assert found.exit_code == 0, found.output
+    rows = json.loads(found.stdout)["rows"]
+    (ground, stone) = rows
+    assert (ground["step"], stone["step"]) == (0, 1)
+    assert stone["x_mm"] == pytest.approx(stone["volume_m3"] ** (1 / 3) * 1e3)  # a cube of 1 m
+    refused = run("build", "-n", "3", "--unit", "mm", "-o", str(tmp_path / "made"))
+    assert refused.exit_code == 2 and "--unit: is for a file of blocks" in refused.output

@@ -35,10 +35,25 @@ from sidmacib.command.output import (
 from sidmacib.quantities import Number
 
 GAP = Number(at_least=0, unit="m")
+READING = {
+    "--fixed": "Blocks that cannot move, by names, numbers or patterns: 'left,base*'.",
+    "--fixed-below": "Fix every block that reaches below this height: 0.5m.",
+    "--unit": "Unit of lengths in a file of blocks: m, cm, mm, in, ft.",
+    "--up": "Axis of a file of blocks that points upwards: x, y, z.",
+    "--layers": "Layers of a 3dm file that have the blocks: 'Blocks,Supports'.",
+    "--tolerance": "Largest gap of faces that touch, over the size of a block: 0.006.",
+}
 
 
 def _gap(flag: str, words: str) -> Callable[..., Any]:
     return click.option(flag, type=quantity(GAP), default=0.0, help=words)
+
+
+def _reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Options of commands that read a file of blocks, keys of `added_keys`."""
+    for flag, words in reversed(READING.items()):
+        command = click.option(flag, help=words)(command)
+    return command
 
 
 @click.command(cls=Command)
@@ -48,19 +63,9 @@ def _gap(flag: str, words: str) -> Callable[..., Any]:
     is_flag=True,
     help="Print the forces at each interface instead, at the load of the static model.",
 )
-@click.option(
-    "--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'."
-)
-@click.option("--fixed-below", help="Fix every block that reaches below this height: 0.5m.")
+@_reading_options
 @click.option("--friction", help="Coefficient of friction of all interfaces.")
 @click.option("--density", help="In kg/m3, of blocks whose material has none.")
-@click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
-@click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
-@click.option("--layers", help="Layers of a 3dm file that have the blocks: 'Blocks,Supports'.")
-@click.option(
-    "--tolerance",
-    help="Largest gap of faces that touch, over the size of a block: 0.006.",
-)
 @click.option("--case", help="Answer in full for one of the file's load cases.")
 @click.option(
     "--reserve",
@@ -228,7 +233,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
 )
 @_gap("--alike", "How far corners of blocks of one kind may differ, m.  [default: rounding]")
 @click.option(
-    "--unit",
+    "--output-unit",
     type=click.Choice(("mm", "m")),
     default="mm",
     show_default=True,
@@ -242,7 +247,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     help="Kind of the drawings.",
 )
 @click.option("--step", is_flag=True, help="Write STEP too; needs multilock[step].")
-@click.option("--fixed", help="Blocks of a file of blocks that are there before the others.")
+@_reading_options
 @format_option
 def build(
     source: Path | None,
@@ -251,10 +256,9 @@ def build(
     head_clearance: float,
     radius: float,
     alike: float,
-    unit: str,
+    output_unit: str,
     drawings: str,
     step: bool,
-    fixed: str | None,
     form: str,
     push: str,
     **flags: Any,
@@ -287,11 +291,13 @@ def build(
         if source is not None:
             written = output / "blocks.obj", output / "blocks.csv", *output.glob("stl/*")
             keep_inputs(files_behind(source, description_in(source)), written)
+        reading = {flag.removeprefix("--").replace("-", "_"): flag for flag in READING}
+        of_blocks = {name: flags.pop(name) for name in reading}
         given = [name for name, value in flags.items() if value is not None]
-        if fixed is not None and source is None:
-            raise click.UsageError("--fixed: is for a file of blocks")
+        if source is None and (wrong := [*filter(of_blocks.get, reading)]):
+            raise click.UsageError(f"{reading[wrong[0]]}: is for a file of blocks")
         tell("reading ...")
-        found = None if source is None else blocks_of_file(source, added_keys(fixed=fixed))
+        found = None if source is None else blocks_of_file(source, added_keys(**of_blocks))
         if found is None:
             if source is not None and flags["file"] is not None:
                 raise click.UsageError("--file: must not be given beside FILE, which is a joint's")
@@ -309,9 +315,9 @@ def build(
                 click.echo(f"Note: {note}", err=True)
         tell("order of placing, kinds and drawings ...")
         of, order = kinds(made, alike), order_of(blocks, rows, near)
-        full = table(made, of, order, unit)
-        write_all(made, of, full, rows, gaps, output, unit, drawings, step, progress)
-    brief = table(made, of, order, unit, full=False)
+        full = table(made, of, order, output_unit)
+        write_all(made, of, full, rows, gaps, output, output_unit, drawings, step, progress)
+    brief = table(made, of, order, output_unit, full=False)
     click.echo(text_of(brief if form == "table" else full, form))
     if order.stuck:
         raise click.ClickException(stuck_note(blocks, order))
