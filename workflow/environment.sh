@@ -11,10 +11,14 @@ restore() {
 }
 
 restore # of a try that was killed
-[ ! -d .venv ] || mv .venv $old
+instead=
+if [ -d .venv ]; then
+    mv .venv $old
+    instead=" in place of the one that is there"
+fi
 trap 'restore; echo "The environment .venv could not be made; it is as it was." >&2' EXIT
 trap 'exit 130' INT TERM HUP
-echo "Installing the environment .venv, which takes about a minute"
+echo "Installing the environment .venv$instead, which takes about a minute"
 "${PYTHON:-python3}" -m venv --clear .venv
 sh workflow/install.sh requirements/study.txt
 # Built by the setuptools that is pinned there, not by any that an index has.
