@@ -51,13 +51,24 @@ def static_of(problem: Problem, limit: Limit | None, tell: Tell = str) -> Static
         return error
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solved:
     """What limit analysis and the static model answer for a ``demand``."""
 
     demand: Demand
     limit: Limit
     static: Static
+
+    def __repr__(self) -> str:
+        """The verdict, or else both answers, in a line: what a notebook shows."""
+        if self.verdict is not None:
+            return f"<{self.verdict}>"
+        told = self.demand.problem.loads.raised.told
+        both = (
+            f"{each.model}: {each.note if each.value is None else told(each.value)}"
+            for each in (self.of_limit, self.of_static)
+        )
+        return f"<{'; '.join(both)}>"
 
     @classmethod
     def of(cls, demand: Demand, tell: Tell = str) -> "Solved":
