@@ -12,6 +12,7 @@ from command_runner import assembly, by_model
 from conftest import ROOT
 from structures import FILES, read_structure, study
 
+import sidmacib
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
@@ -173,3 +174,11 @@ def test_loads_of_random_blocks_are_within_their_mesh_errors() -> None:
     assert sum(each.peak for each in found) >= 4  # so that the test is one of peaks, too
     assert sum(each.change > each.error for each in found) <= 1
     assert max(each.error for each in found) <= SETTLED
+
+
+def test_a_notebook_shows_the_verdict_or_both_loads() -> None:
+    cases = sidmacib.ask(ROOT / "studies/structures/retaining.yaml")
+    assert repr(cases["crowd"]) == f"<{cases['crowd'].verdict}>"
+    (alone,) = sidmacib.ask(ROOT / "studies/structures/trilith.yaml").values()
+    told = (f"{each.model}: {each.value:.0f} N" for each in (alone.of_limit, alone.of_static))
+    assert repr(alone) == f"<{'; '.join(told)}>"

@@ -146,7 +146,6 @@ def test_a_file_has_one_answer_at_every_door(name: str, tmp_path: Path) -> None:
     if said is not None:
         assert str(on_all(names, verdicts) if len(verdicts) > 1 else verdicts[0]) == said
         assert next(iter(asked)) == names[governing(verdicts)]
-        assert repr(asked[names[0]]) == f"<{verdicts[0]}>"  # what a notebook shows
 
     config = folder / "study.yaml"
     config.write_text(json.dumps({"structures": {"it": {"file": "it.yaml"}}, **WITHOUT_ENGINES}))
