@@ -44,6 +44,7 @@ SHUT = 0.7  # of the opening at which locks come apart, which differs by a quart
 # blocks by up to 3.4 % on the mesh, of which `law` takes the coarsest.
 PATH, PATH_ELASTIC = 1.01, 1.05
 NOTHING = 1e-6  # over the strength of a lock: a load that is none
+ALONE = 0.1  # of a load: where friction adds the rest, it holds the joint alone
 JUST_BEFORE = 1.001  # on strengths whose bonds fail as a joint moves: they fail before
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 
@@ -236,7 +237,8 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
     stiff as roots, or where friction alone holds the joint, with these bonds or with stronger ones.
-    Errors of `law`.
+    Errors of `law`, and `CapacityError` where friction alone holds it under a plate: how far it
+    turns, and so how hard the plate presses, depends on the mesh.
     """
     require_covered(joint)
     margin, loading = margin_of(joint), Loading(direction, push=push)
@@ -248,6 +250,11 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
         smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
         with suppress(CapacityError):
             without = _on_meshes(smooth, loading, meshes)
+        if joint.hold_down.kind is Hold.PLATE and _friction_alone(rough, without):
+            raise CapacityError(
+                "safe: under the plate friction alone holds the joint in this direction, by how "
+                "far it turns; use the static model"
+            )
         if not without and joint.elastic is None:  # friction alone holds it: how far it turns
             meshes = MESHES  # before it slides depends on the mesh
             rough = _on_meshes(weak, loading, meshes)
@@ -276,6 +283,12 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
 
 def _on_meshes(joint: Joint, loading: Loading, meshes: Sequence[int]) -> list[JointFailure]:
     return [first_failure(joint, loading, cells, SHUT) for cells in meshes]
+
+
+def _friction_alone(rough: Sequence[JointFailure], without: Sequence[JointFailure]) -> bool:
+    """Whether next to nothing is carried ``without`` friction."""
+    held = max((each.load for each in without), default=0.0)
+    return held <= ALONE * min(each.load for each in rough)
 
 
 def _meshes(joint: Joint) -> tuple[int, ...]:
