@@ -358,7 +358,7 @@ def test_where_friction_alone_holds_a_joint_under_a_plate_there_is_no_safe_load(
     eccentricity: float,
 ) -> None:
     """Beyond the only face of two locks: 7.3 and 0.76 N of the 230 N of a lock."""
-    words = "^safe: under the plate friction alone holds the joint in this direction"
+    words = "^safe: without friction the joint would carry next to nothing in this direction"
     with pytest.raises(CapacityError, match=words):
         safe(sawn(2), Direction(eccentricity))
     # Found by `make attack`: 60 N were promised. On fine nodes it turns further and carries 56.8 N.

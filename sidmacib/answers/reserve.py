@@ -9,9 +9,10 @@ There, the answer is that of the same acceleration as a load.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from sidmacib.answers.structure import static_answer
-from sidmacib.answers.structure_paths import LOWER
+from sidmacib.answers.structure_paths import LOWER, StaticAnswer
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Vector
 from sidmacib.mechanics.equilibrium import is_dry
@@ -20,6 +21,7 @@ from sidmacib.mechanics.static import first_failure_of, solver_of
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.reserve import (
+    NEARER,
     Push,
     geometrical_factor,
     least_push,
@@ -33,22 +35,28 @@ from sidmacib.structure.structure import refined, with_dry_joints
 FURTHER = 1.25
 QUARTERS = [k * math.pi / 2.0 for k in range(4)]  # along x and y
 BESIDE, HALVINGS = math.pi / 8.0, 2  # how far beside the weakest others are, and again half of it
-NEARER = 1e-3  # of an acceleration: by less, directions are alike
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Followed:
-    """The least horizontal acceleration (g) in the static model, and its direction.
+    """What the static model answers to a horizontal acceleration, and the ``direction`` of that.
 
-    ``first``: that at which a bond fails first (g). ``bonds``: whether this is all that counts;
-    ``dry``: whether dry joints carry more and count.
+    ``weight``: of all that is free, N.
     """
 
-    acceleration: float
+    answer: StaticAnswer
     direction: Vector
-    first: float
-    bonds: bool
-    dry: bool
+    weight: float
+
+    @property
+    def acceleration(self) -> float:
+        """What is carried, in g."""
+        return self.answer.load / self.weight
+
+    @property
+    def bonds(self) -> bool:
+        """Whether that is the first failure of a bond, after which it may carry more."""
+        return not self.answer.counts.peak
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,13 +90,8 @@ class Reserve:
         With bonds the static model's counts, wherever it has one.
         """
         push, followed = self.least, self.followed
-        if followed is None or (push and self.dry and not _less(followed, push)):
-            return push
-        return followed
-
-
-def _less(followed: Followed, push: Push) -> bool:
-    return followed.acceleration < (1.0 - LOWER) * push.acceleration
+        least = (1.0 - LOWER) * push.acceleration if push and self.dry else math.inf
+        return followed if followed and followed.acceleration < least else push
 
 
 def reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
@@ -97,8 +100,8 @@ def reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
     That with dry joints, where these carry more and count. ``tell`` is told what is found.
     """
     found = _reserve(problem, tell)
-    first = found.followed
-    if not (found.falls or (first and first.dry)) or is_dry(problem.assembly):
+    bonded = found.followed
+    if found.dry or not (found.falls or (bonded and bonded.answer.counts.dry)):
         return found
     try:
         tell("with dry joints ...")
@@ -107,7 +110,9 @@ def reserve(problem: Problem, tell: Callable[[str], object]) -> Reserve:
         return found
     if dry.falls:
         return found
-    fails = found.static if first is None else f"the first fails at {first.first:.3g} g"
+    fails = found.static
+    if bonded is not None:
+        fails = f"the first fails at {bonded.answer.failures.first / bonded.weight:.3g} g"
     return replace(dry, bonds=f"with bonds, {fails}")
 
 
@@ -141,23 +146,25 @@ def _followed(
     without that bond counts.
     """
     weak = _bond_that_fails(problem)
-    fails = NoEquilibriumError(f"the bond of {weak} fails under its own weight")
-    weakest = _weakest(problem, [*filter(None, (least,)), *tried], tell)
+    by_way = {push.direction: push for push in (*filter(None, (least,)), *tried)}
+    weakest = _weakest(problem, [*by_way.values()], tell)
     if weakest is None:
         return None
-    ways, found = [weakest], None
+    ways = [weakest]
     if least is not None and not is_dry(problem.assembly):
         ways.insert(0, least.direction)  # where a bond fails first more may be carried than here
+    found: Followed | None = None
     for way in dict.fromkeys(ways):
         tell(f"static model towards ({way[0]:.3g}, {way[1]:.3g}), on several meshes ...")
         try:
-            answer, weight = static_answer(under(problem, way)), free_weight(problem.assembly)
-        except CapacityError as error:
-            raise (fails if weak else error) from None
-        counts, first = answer.counts, answer.failures.first / weight
-        if weak and (counts.dry or not counts.peak):
-            raise fails
-        here = Followed(answer.load / weight, way, first, bonds=not counts.peak, dry=counts.dry)
+            answer = static_answer(under(problem, way))
+        except CapacityError:
+            if weak:
+                raise weak from None
+            raise
+        if weak and (answer.counts.dry or not answer.counts.peak):
+            raise weak
+        here = Followed(answer, way, free_weight(problem.assembly))
         if found is None or here.acceleration < (1.0 - NEARER) * found.acceleration:
             found = here
     return found
@@ -181,6 +188,7 @@ def _weakest(
     assembly = refined(problem.assembly, 1)
     least, weakest = math.inf, math.nan
 
+    @cache  # a step goes back to where the last one came from
     def ask(angle: float) -> None:
         nonlocal least, weakest
         way = _way(angle)
@@ -215,10 +223,10 @@ def _way(angle: float) -> Vector:
     return round(math.cos(angle), 9) + 0.0, round(math.sin(angle), 9) + 0.0, 0.0
 
 
-def _bond_that_fails(problem: Problem) -> str:
-    """The interface whose bond fails without a load, or nothing; more may be carried without it.
+def _bond_that_fails(problem: Problem) -> NoEquilibriumError | None:
+    """That a bond fails without a load; None if none does. Without it more may be carried.
 
-    `NoEquilibriumError` unless the structure stands in the static model.
+    Raises `NoEquilibriumError` unless the structure stands in the static model.
     """
     assembly = refined(problem.assembly, 1)
     try:
@@ -227,5 +235,5 @@ def _bond_that_fails(problem: Problem) -> str:
         raise NoEquilibriumError(DOES_NOT_STAND) from None
     for face in interface_forces(assembly, state.force):
         if face.bonded_share and (face.utilisation or 0.0) > 1.0:
-            return face.interface
-    return ""
+            return NoEquilibriumError(f"the bond of {face.interface} fails under its own weight")
+    return None

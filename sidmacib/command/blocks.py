@@ -36,12 +36,12 @@ from sidmacib.quantities import Number
 
 GAP = Number(at_least=0, unit="m")
 READING = {
-    "--fixed": "Blocks that cannot move, by names, numbers or patterns: 'left,base*'.",
-    "--fixed-below": "Fix every block that reaches below this height: 0.5m.",
-    "--unit": "Unit of lengths in a file of blocks: m, cm, mm, in, ft.",
-    "--up": "Axis of a file of blocks that points upwards: x, y, z.",
-    "--layers": "Layers of a 3dm file that have the blocks: 'Blocks,Supports'.",
-    "--tolerance": "Largest gap of faces that touch, over the size of a block: 0.006.",
+    "fixed": "Blocks that cannot move, by names, numbers or patterns: 'left,base*'.",
+    "fixed_below": "Fix every block that reaches below this height: 0.5m.",
+    "unit": "Unit of lengths in a file of blocks: m, cm, mm, in, ft.",
+    "up": "Axis of a file of blocks that points upwards: x, y, z.",
+    "layers": "Layers of a 3dm file that have the blocks: 'Blocks,Supports'.",
+    "tolerance": "Largest gap of faces that touch, over the size of a block: 0.006.",
 }
 
 
@@ -51,8 +51,8 @@ def _gap(flag: str, words: str) -> Callable[..., Any]:
 
 def _reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options of commands that read a file of blocks, keys of `added_keys`."""
-    for flag, words in reversed(READING.items()):
-        command = click.option(flag, help=words)(command)
+    for name, words in reversed(READING.items()):
+        command = click.option(flag_of(name), help=words)(command)
     return command
 
 
@@ -291,11 +291,10 @@ def build(
         if source is not None:
             written = output / "blocks.obj", output / "blocks.csv", *output.glob("stl/*")
             keep_inputs(files_behind(source, description_in(source)), written)
-        reading = {flag.removeprefix("--").replace("-", "_"): flag for flag in READING}
-        of_blocks = {name: flags.pop(name) for name in reading}
+        of_blocks = {name: value for name in READING if (value := flags.pop(name)) is not None}
         given = [name for name, value in flags.items() if value is not None]
-        if source is None and (wrong := [*filter(of_blocks.get, reading)]):
-            raise click.UsageError(f"{reading[wrong[0]]}: is for a file of blocks")
+        if source is None and of_blocks:
+            raise click.UsageError(f"{flag_of(next(iter(of_blocks)))}: is for a file of blocks")
         tell("reading ...")
         found = None if source is None else blocks_of_file(source, added_keys(**of_blocks))
         if found is None:

@@ -250,13 +250,15 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
         smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
         with suppress(CapacityError):
             without = _on_meshes(smooth, loading, meshes)
-        if joint.hold_down.kind is Hold.PLATE and _friction_alone(rough, without):
+        alone = _friction_alone(rough, without)
+        if alone and joint.hold_down.kind is Hold.PLATE:
             raise CapacityError(
-                "safe: under the plate friction alone holds the joint in this direction, by how "
-                "far it turns; use the static model"
+                "safe: without friction the joint would carry next to nothing in this direction, "
+                "and with it how far it turns under the plate depends on the mesh; use the static "
+                "model"
             )
-        if not without and joint.elastic is None:  # friction alone holds it: how far it turns
-            meshes = MESHES  # before it slides depends on the mesh
+        if alone and joint.elastic is None:  # how far it turns before it slides depends on the mesh
+            meshes = MESHES
             rough = _on_meshes(weak, loading, meshes)
             modes = {each.mode for each in rough}
     mode = min(rough, key=lambda each: each.load).mode

@@ -19,10 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from shapely.affinity import scale
 
-from sidmacib.errors import (
-    InfeasibleError,
-    UnboundedError,
-)
+from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Vector
 from sidmacib.mechanics.crushing import CrushedMaterial, crushed_faces
 from sidmacib.mechanics.equilibrium import is_dry
