@@ -213,8 +213,8 @@ def _weakest(
         middle = math.nan
         while middle != weakest:
             beside, middle = BESIDE / 2**halving, weakest
-            ask(middle - beside)
             ask(middle + beside)
+            ask(middle - beside)
     return _way(weakest)
 
 
