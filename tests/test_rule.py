@@ -370,3 +370,21 @@ def test_where_friction_alone_holds_a_joint_under_a_plate_there_is_no_safe_load(
     )
     with pytest.raises(CapacityError, match=words):
         safe(joint, Direction(-1.15655), Push.MINUS_Y)
+
+
+@pytest.mark.parametrize("eccentricity", [-0.45, -0.4929, -0.52])
+def test_where_each_finer_mesh_carries_less_there_is_no_safe_load(eccentricity: float) -> None:
+    """Found by `make attack`, close to the end of the only face that bears, hardly pressed.
+
+    At e = -0.4929 a 8.23 N were promised, of which 16 cells carry 1.71 N.
+    """
+    joint = sawn(
+        *(2, 0.025, 0.05, 0.014748, 0.015, 17933.0),
+        inner=stone(1e10, 3e10, 8e4, 47801.0),
+        dry=FaceMaterial(1.851e10, 1.851e11, 0.0024743, 0.0, 0.0),
+        hold_down=HoldDown.pressure(8.0),
+    )
+    with pytest.raises(
+        CapacityError, match="^safe: the first failure depends too much on the mesh"
+    ):
+        safe(joint, Direction(eccentricity))

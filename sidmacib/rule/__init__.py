@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -45,6 +46,7 @@ SHUT = 0.7  # of the opening at which locks come apart, which differs by a quart
 PATH, PATH_ELASTIC = 1.01, 1.05
 NOTHING = 1e-6  # over the strength of a lock: a load that is none
 ALONE = 0.1  # of a load: where friction adds the rest, it holds the joint alone
+SETTLED = 0.01  # of a load: less from one mesh to the next is no sign that it goes on to change
 JUST_BEFORE = 1.001  # on strengths whose bonds fail as a joint moves: they fail before
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 
@@ -198,10 +200,7 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
     found = weak_failure(joint, direction, push)
     most = law(joint, direction, push).load / path_of(joint)
     if found.load <= 0.0:
-        raise CapacityError(
-            f"safe: the first failure depends too much on the mesh: from {min(found.loads):.4g} to "
-            f"{max(found.loads):.4g} N; use the static model"
-        )
+        raise CapacityError(_unsettled(found.loads))
     return capacity_of(joint, direction, min(found.load, most), found.mode)
 
 
@@ -261,6 +260,7 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
             meshes = MESHES
             rough = _on_meshes(weak, loading, meshes)
             modes = {each.mode for each in rough}
+            _require_settling([each.load for each in rough])
     mode = min(rough, key=lambda each: each.load).mode
 
     def way(failures: Sequence[JointFailure], divisor: float = 1.0) -> WeakFailure:
@@ -277,7 +277,8 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
             weaker = weakened(joint, JUST_BEFORE * margin / used)
             failing = _on_meshes(weakened(weaker, margin), loading, meshes)
             if all(each.mode is Mode.BONDS for each in failing):
-                most = first_failure(weaker, loading).load / path_of(joint)
+                # Its bonds fail first on these meshes only as far as they agree on when it moves.
+                most = min(first_failure(weaker, loading).load / path_of(joint), way(rough).load)
                 loads = tuple(min(each.load, most) for each in failing)
                 return max(least, WeakFailure(loads, mode), key=lambda way: way.load)
     return least
@@ -291,6 +292,20 @@ def _friction_alone(rough: Sequence[JointFailure], without: Sequence[JointFailur
     """Whether next to nothing is carried ``without`` friction."""
     held = max((each.load for each in without), default=0.0)
     return held <= ALONE * min(each.load for each in rough)
+
+
+def _require_settling(loads: Sequence[float]) -> None:
+    """`CapacityError` unless ``loads`` on ever finer meshes change by ever less."""
+    before, last = (abs(one - other) for one, other in pairwise(loads))
+    if last > max(before / 2.0, SETTLED * loads[-1]):
+        raise CapacityError(_unsettled(loads))
+
+
+def _unsettled(loads: Sequence[float]) -> str:
+    return (
+        f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
+        f"{max(loads):.4g} N; use the static model"
+    )
 
 
 def _meshes(joint: Joint) -> tuple[int, ...]:
