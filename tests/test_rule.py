@@ -385,6 +385,6 @@ def test_where_each_finer_mesh_carries_less_there_is_no_safe_load(eccentricity: 
         hold_down=HoldDown.pressure(8.0),
     )
     with pytest.raises(
-        CapacityError, match="^safe: the first failure depends too much on the mesh"
+        CapacityError, match=r"^safe: the first failure depends too much on the mesh"
     ):
         safe(joint, Direction(eccentricity))
