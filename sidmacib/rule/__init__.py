@@ -236,8 +236,8 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
     stiff as roots, or where friction alone holds the joint, with these bonds or with stronger ones.
-    Errors of `law`, and `CapacityError` where friction alone holds it under a plate: how far it
-    turns, and so how hard the plate presses, depends on the mesh.
+    Errors of `law`, and `CapacityError` where friction alone holds it and the loads do not settle,
+    or under a plate: how far it turns, and so how hard the plate presses, depends on the mesh.
     """
     require_covered(joint)
     margin, loading = margin_of(joint), Loading(direction, push=push)
