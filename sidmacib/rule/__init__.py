@@ -47,6 +47,7 @@ PATH, PATH_ELASTIC = 1.01, 1.05
 NOTHING = 1e-6  # over the strength of a lock: a load that is none
 ALONE = 0.1  # of a load: where friction adds the rest, it holds the joint alone
 SETTLED = 0.01  # of a load: less from one mesh to the next is no sign that it goes on to change
+CLEAR = 1.5  # on strengths: by as much, the load at which a joint moves is less on finer meshes
 JUST_BEFORE = 1.001  # on strengths whose bonds fail as a joint moves: they fail before
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 
@@ -223,69 +224,82 @@ class WeakFailure:
 def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> WeakFailure:
     """The first failure of ``joint`` with the margin of the safe rule.
 
-    That with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The margin is on strengths, as
-    where weight or a force holds a joint down a small loss of strength may cost much of the load.
-    Where the joint moves away first on a mesh, the loads on all are divided too. Where it slides or
-    rocks, they are at most those without friction, over `path_of`, if there are any: how much
-    friction adds depends on the history of the contacts, and so on the mesh and the increments.
-    Faces open by no more than `SHUT` of what the law allows.
+    That with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`, where bonds fail first, and
+    would do so with `CLEAR` times the strength. Else the load is divided by the margin too. Where
+    locks come apart first, meshes must agree on it. Where the joint slides or rocks, how much
+    friction adds depends on the history of the contacts, and so on the mesh and the increments: the
+    load is at most that without friction, over `path_of`, if there is any. Faces open by no more
+    than `SHUT` of what the law allows.
 
     Up to the first failure forces do not depend on strengths, so that what stands with weaker bonds
-    stands with these: the load is no less than the safe one with bonds that fail just before the
-    joint moves.
+    stands with these: the load is no less than the safe one with bonds so weak that they decide.
 
     It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
-    stiff as roots, or where friction alone holds the joint, with these bonds or with stronger ones.
+    stiff as roots, where friction alone holds the joint, or where locks come apart first.
+
     Errors of `law`, and `CapacityError` where friction alone holds it and the loads do not settle,
     or under a plate: how far it turns, and so how hard the plate presses, depends on the mesh.
     """
     require_covered(joint)
     margin, loading = margin_of(joint), Loading(direction, push=push)
-    weak = weakened(joint, margin)
-    meshes = _meshes(joint)
-    rough = _on_meshes(weak, loading, meshes)
-    modes, without = {each.mode for each in rough}, []
-    if not {*modes, first_failure(joint, loading).mode}.isdisjoint(MOVED):
-        smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
-        with suppress(CapacityError):
-            without = _on_meshes(smooth, loading, meshes)
-        alone = _friction_alone(rough, without)
-        if alone and joint.hold_down.kind is Hold.PLATE:
-            raise CapacityError(
-                "safe: without friction the joint would carry next to nothing in this direction, "
-                "and with it how far it turns under the plate depends on the mesh; use the static "
-                "model"
-            )
-        if alone and joint.elastic is None:  # how far it turns before it slides depends on the mesh
-            meshes = MESHES
-            rough = _on_meshes(weak, loading, meshes)
-            modes = {each.mode for each in rough}
-            _require_settling([each.load for each in rough])
+    weak, meshes = weakened(joint, margin), _meshes(joint)
+    rough, without = _on_meshes(weak, loading, meshes), []
+    stronger = _with_stronger_bonds(joint, loading)
+    if _by_bonds([*rough, stronger or rough[0]]):
+        return WeakFailure(tuple(each.load for each in rough), Mode.BONDS)
+    smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
+    with suppress(CapacityError):
+        without = _on_meshes(smooth, loading, meshes)
+    alone = _friction_alone(rough, without)
+    if alone and joint.hold_down.kind is Hold.PLATE:
+        raise CapacityError(
+            "safe: without friction the joint would carry next to nothing in this direction, and "
+            "with it how far it turns under the plate depends on the mesh; use the static model"
+        )
+    apart = {each.mode for each in [*rough, stronger or rough[0]]}.isdisjoint(MOVED)
+    if joint.elastic is None and (alone or apart):
+        meshes = MESHES
+        rough = _on_meshes(weak, loading, meshes)
+        loads = [each.load for each in rough]
+        apart = apart and _settles(loads)
+        if alone and not _settles(loads):
+            raise CapacityError(_unsettled(loads))
     mode = min(rough, key=lambda each: each.load).mode
 
     def way(failures: Sequence[JointFailure], divisor: float = 1.0) -> WeakFailure:
         return WeakFailure(tuple(each.load / divisor for each in failures), mode)
 
-    if modes == {Mode.BONDS}:
-        return way(rough)
     ways = [way(rough, margin)]
-    if without:
+    if without and not apart:
         ways.append(way(without, path_of(joint)))
-    least, used = min(ways, key=lambda way: way.load), min(each.bonds.max() for each in rough)
-    if used > NOTHING:
+    least, used = min(ways, key=lambda way: way.load), stronger and float(stronger.bonds.max())
+    if used and used > NOTHING:
         with suppress(CapacityError):
-            weaker = weakened(joint, JUST_BEFORE * margin / used)
-            failing = _on_meshes(weakened(weaker, margin), loading, meshes)
-            if all(each.mode is Mode.BONDS for each in failing):
-                # Its bonds fail first on these meshes only as far as they agree on when it moves.
-                most = min(first_failure(weaker, loading).load / path_of(joint), way(rough).load)
-                loads = tuple(min(each.load, most) for each in failing)
-                return max(least, WeakFailure(loads, mode), key=lambda way: way.load)
+            failing = _on_meshes(weakened(weak, JUST_BEFORE / used), loading, meshes)
+            if _by_bonds(failing):
+                # Only as far as the meshes agree on when the joint moves.
+                capped = tuple(min(each.load, way(rough).load) for each in failing)
+                return max(least, WeakFailure(capped, mode), key=lambda way: way.load)
     return least
 
 
 def _on_meshes(joint: Joint, loading: Loading, meshes: Sequence[int]) -> list[JointFailure]:
     return [first_failure(joint, loading, cells, SHUT) for cells in meshes]
+
+
+def _by_bonds(failures: Sequence[JointFailure]) -> bool:
+    return all(each.mode is Mode.BONDS for each in failures)
+
+
+def _with_stronger_bonds(joint: Joint, loading: Loading) -> JointFailure | None:
+    """The first failure with bonds that must fail before the joint moves, too, if its own decide.
+
+    None where blocks move far before that.
+    """
+    clear = CLEAR if joint.elastic is None and joint.dry.friction > 0.0 else 1.0
+    with suppress(CapacityError):
+        return first_failure(weakened(joint, 1.0 / clear), loading)
+    return None
 
 
 def _friction_alone(rough: Sequence[JointFailure], without: Sequence[JointFailure]) -> bool:
@@ -294,11 +308,10 @@ def _friction_alone(rough: Sequence[JointFailure], without: Sequence[JointFailur
     return held <= ALONE * min(each.load for each in rough)
 
 
-def _require_settling(loads: Sequence[float]) -> None:
-    """`CapacityError` unless ``loads`` on ever finer meshes change by ever less."""
+def _settles(loads: Sequence[float]) -> bool:
+    """Whether ``loads`` on ever finer meshes change by ever less."""
     before, last = (abs(one - other) for one, other in pairwise(loads))
-    if last > max(before / 2.0, SETTLED * loads[-1]):
-        raise CapacityError(_unsettled(loads))
+    return last <= max(before / 2.0, SETTLED * loads[-1])
 
 
 def _unsettled(loads: Sequence[float]) -> str:
