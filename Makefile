@@ -8,6 +8,7 @@
 # make study PROFILE=slurm  run the study on a SLURM cluster, see docs/howto/study.md
 # make decks   write decks for 3DEC; make study reads the results.txt that 3DEC leaves beside a deck
 # make test    run lint and all tests, including real runs of the engines
+# make quick   run the everyday tests, which take two minutes
 # make test-slurm  run a study through SLURM, which is set up on this machine; needs root
 # make test-container  build the container without a registry and run a study in it; needs root
 # make faults  disturb runs FAULTS=500 times and check that the next run gives the same results
@@ -54,7 +55,7 @@ INTO = --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case cases report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack measured structures scaling lint format lock early system system-test clean
+.PHONY: study locks case cases report explore calibrate decks docs bench test quick test-slurm test-container faults fuzz mutants same attack measured structures scaling lint format lock early system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -91,6 +92,9 @@ bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
 # With packages that users may add, so that no test is skipped.
 test: .venv/test.ready .venv/compas.ready .venv/rhino.ready .venv/step.ready lint
 	$(BIN)/pytest --numprocesses 2 --dist worksteal
+
+quick: .venv/test.ready
+	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not engine and not study and not long and not machine"
 
 test-slurm: .venv/test.ready .venv/slurm.ready
 	@sh workflow/system.sh slurm

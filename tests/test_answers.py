@@ -41,6 +41,7 @@ def record_of(description: dict[str, Any], model: str = "static") -> StructureRe
     return found if isinstance(found, Record) else found[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", FILES)
 def test_a_file_has_the_same_load_at_every_door(name: str, path: Path) -> None:
     description = FILES[name]
@@ -78,6 +79,7 @@ def test_mortar_does_not_weaken_dry_joints(name: str, same: str) -> None:
     assert answer.counts.why.startswith("with bonds, peak not converged")
 
 
+@pytest.mark.long
 def test_a_peak_counts_where_three_meshes_agree_or_no_bond_fails_before() -> None:
     answer = static_answer(structure_of(FILES["trilith"]))
     assert answer.counts == Counts(peak=True, why="three meshes agree on the peak")
@@ -87,6 +89,7 @@ def test_a_peak_counts_where_three_meshes_agree_or_no_bond_fails_before() -> Non
     assert dry.counts == Counts(peak=True, why="no bond fails before the peak")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["rocks_about_a_corner", "slides_turned"])
 def test_meshes_that_agree_by_chance_are_found_by_limit_analysis(name: str) -> None:
     problem = read_structure(CASES / f"{name}.yaml")
@@ -124,6 +127,7 @@ def engine(name: str, peak: float, first: float | None) -> StructureRecord:
     return replace(record, load_N=peak, peak_N=peak, first_failure_load_N=first)
 
 
+@pytest.mark.long
 def test_an_engine_has_the_load_that_counts_in_the_static_model() -> None:
     static = record_of(FILES["bonded block"])
     found = counted(engine("yade", 3329.0, 416.0), static)
@@ -136,6 +140,7 @@ def test_an_engine_has_the_load_that_counts_in_the_static_model() -> None:
     assert (settled.load_N, settled.part.counts) == (7850.0, PEAK)
 
 
+@pytest.mark.long
 def test_an_engine_has_the_mesh_error_of_the_cells_of_the_file() -> None:
     static = record_of(FILES["trilith"])
     above = 1.5  # on the cells of the file, over the load on smaller ones
@@ -153,6 +158,7 @@ def test_engines_are_compared_with_the_static_model_on_their_own_cells() -> None
     assert row["difference_to_static"] == pytest.approx(416.0 / row["static_load_N"] - 1.0)
 
 
+@pytest.mark.long
 def test_limit_analysis_is_compared_with_the_static_load_on_the_smallest_cells() -> None:
     static = record_of(FILES["trilith"])
     coarse = replace(static, part=replace(static.part, given_peak_N=1.5 * static.peak_N))
@@ -168,6 +174,7 @@ def test_an_engines_peak_alone_counts_if_no_bond_fails(first: float | None, coun
     assert without_other_meshes(Failures(900.0, 900.0)).peak
 
 
+@pytest.mark.long
 # --- mesh errors ---------------------------------------------------------------------------------
 def test_loads_of_random_blocks_are_within_their_mesh_errors() -> None:
     found = [outcome(block(np.random.default_rng(seed))) for seed in range(20)]
@@ -176,6 +183,7 @@ def test_loads_of_random_blocks_are_within_their_mesh_errors() -> None:
     assert max(each.error for each in found) <= SETTLED
 
 
+@pytest.mark.long
 def test_a_notebook_shows_the_verdict_or_both_loads() -> None:
     cases = sidmacib.ask(ROOT / "studies/structures/retaining.yaml")
     assert repr(cases["crowd"]) == f"<{cases['crowd'].verdict}>"

@@ -72,6 +72,7 @@ def test_a_face_whose_vertex_is_missing_is_refused(vertex: int, tmp_path: Path) 
         assert str(error.value).endswith(words)
 
 
+@pytest.mark.long
 def test_a_block_of_too_many_faces_is_refused_before_they_are_checked(tmp_path: Path) -> None:
     path = tmp_path / "ball.ply"
     trimesh.creation.icosphere(subdivisions=5).export(path)

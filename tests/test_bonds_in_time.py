@@ -82,6 +82,7 @@ def test_chains_of_bonds_are_refused_and_other_doors_say_where_time_is_for() -> 
             door(described(blocks, {"duration": 1}, 0.5))
 
 
+@pytest.mark.long
 def test_copies_of_a_joint_differ_by_less_than_what_is_sure_allows() -> None:
     """Turned, mirrored and renamed; of thirty random joints one differed by 2.6 times."""
     blocks = {

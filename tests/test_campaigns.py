@@ -31,6 +31,7 @@ def test_whatever_happens_the_next_run_ends_as_if_nothing_had() -> None:
         faults.held(campaign, faults.killed)
 
 
+@pytest.mark.long
 def test_whatever_comes_in_is_an_answer_or_a_clear_no() -> None:
     with fuzz.begun(seed=11) as begun:
         fuzz.tried(begun, 600)

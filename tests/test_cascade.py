@@ -213,6 +213,7 @@ def test_what_is_left_never_grows() -> None:
     assert fade.left(contact_law, state, none) == pytest.approx(0.3)
 
 
+@pytest.mark.long
 # --- between the ends ----------------------------------------------------------------------------
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 def test_without_energy_it_is_brittle_and_with_all_residual_ductile(eccentricity: float) -> None:

@@ -124,6 +124,7 @@ def test_a_rule_runs_again_when_what_its_script_imports_is_edited(rule: str) -> 
     assert source(step) == (folder / script).resolve()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", ["static", "limit"])
 def test_what_a_run_imports_and_reads_is_in_its_closure(tmp_path: Path, model: str) -> None:
     study = read_study(COARSE | {"eccentricities": [0], "models": ["static", "limit"]})
@@ -203,6 +204,7 @@ def test_planning_imports_no_solver_and_no_table(module: str) -> None:
     assert module != "workflow.case" or "pydantic" not in found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "seconds", "allowed"),
     [

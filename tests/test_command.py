@@ -118,6 +118,7 @@ def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
     assert points.get_xdata() == pytest.approx([row["V (N)"] for row in rows])
 
 
+@pytest.mark.long
 def test_a_late_peak_that_meshes_do_not_agree_on_says_what_to_use() -> None:
     """120 N, and 33 N on a mesh of 5 mm, where the first failure is 17 N on all of them."""
     weak, usual = (
@@ -192,6 +193,7 @@ def test_in_a_table_numbers_stand_at_the_right_and_csv_is_csv() -> None:
     assert [row["block"] for row in written] == ["upper", "lower", "upper"]
 
 
+@pytest.mark.long
 def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
     rows = answers("capacity", "-n", "40", "-m", "law", "-m", "static")
     assert rows[0]["V_N"] is None

@@ -303,6 +303,7 @@ def test_results_that_cannot_be_written_are_reported_under_the_table(
 LOCKS = "locks: [{between: all, count: 4, height: 0.1, row: [1, 0, 0]}]"
 
 
+@pytest.mark.long
 def test_locks_that_are_cut_out_count_as_parts_of_their_blocks(tmp_path: Path) -> None:
     data = written(tmp_path, named(), f"interfaces: {{friction: 0.7}}\n{LOCKS}")
     assert set(data["node_data"]) == {"0", "3"}

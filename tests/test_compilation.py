@@ -47,6 +47,7 @@ def kernels(tmp_path: Path) -> Path:
     return package
 
 
+@pytest.mark.long
 def test_a_change_in_another_file_is_noticed(kernels: Path) -> None:
     assert answer(kernels) == answer(kernels) == "6.0"
     (kernels / "inner.py").write_text(INNER.replace("FACTOR", "5.0"))
@@ -100,6 +101,7 @@ def test_where_nothing_can_be_written_the_answer_is_given(kernels: Path, tmp_pat
     assert not list(tmp_path.rglob("*.nb?"))
 
 
+@pytest.mark.long
 def test_a_file_that_was_cut_off_is_compiled_again(kernels: Path) -> None:
     assert answer(kernels) == "6.0"
     kept = list(kernels.rglob("*.nb?"))

@@ -83,6 +83,7 @@ def test_a_pier_overturns_about_the_middle_of_what_is_pressed() -> None:
     assert_both_crush(structure_of(pier(PUSH)), load)
 
 
+@pytest.mark.long
 def test_a_pier_that_is_tilted_is_crushed_before_it_overturns() -> None:
     def left(angle: float) -> float:
         e = HEIGHT / 2 * math.tan(angle)

@@ -75,6 +75,7 @@ def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
     assert "first failure" not in answer["answer"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("length", "placed"), [(1.2, False), (0.6, True)])
 def test_a_block_is_not_pushed_along_grooves_that_are_closed(length: float, placed: bool) -> None:
     """Locks along x in a base that goes on behind the block at both ends, or at one."""
@@ -153,6 +154,7 @@ def test_more_than_there_is_room_for_is_refused_with_the_largest_factor() -> Non
         design_of(task_of(given))
 
 
+@pytest.mark.long
 def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> None:
     """A block between a floor and two walls, pushed so that all want locks that block it in."""
     given = two_blocks()

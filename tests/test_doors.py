@@ -119,6 +119,7 @@ def in_words(text: str) -> str:
 SLOW = "bonds"  # is solved on three meshes at each door
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     [pytest.param(each, marks=[pytest.mark.study] if each == SLOW else []) for each in ASKED],

@@ -167,6 +167,7 @@ def test_a_pair_whose_only_face_does_not_reach_the_load_carries_nothing() -> Non
             safe(joint, direction)
 
 
+@pytest.mark.long
 def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_0_N() -> None:
     """The attack found it: 45 N with the least weight, and a mechanism at 0 N without."""
     joint = sawn(

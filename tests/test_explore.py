@@ -109,6 +109,7 @@ def test_a_joint_beyond_the_rule_is_noted_and_drawn() -> None:
     assert pictures(state, answer)["pieces"]
 
 
+@pytest.mark.long
 def test_the_curve_states_the_lowest_peak_found_where_it_is_below_the_curve() -> None:
     near = which_counts(Settings(eccentricity=0.3))
     assert (near.legend, near.words) == (" (no lower peak found at 0.3 a)", "")

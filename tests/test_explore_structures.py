@@ -86,6 +86,7 @@ def command_rows(description: Any) -> list[Row]:
     return structure_rows(Solved.of(Demand(structure_of(description))))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", QUICK)
 def test_its_table_is_what_the_command_prints_for_the_file(name: str) -> None:
     state = chosen(structure=name)
@@ -138,6 +139,7 @@ def send(served: Served, *names: str, **texts: str) -> Answered:
     return served.post("/file", {"page": "files", "number": 1, "values": values})
 
 
+@pytest.mark.long
 def test_a_file_that_is_sent_opens_as_the_page_of_the_command(served: Served) -> None:
     assert served.get("/opened").status == 404
     page = send(served, "structures/trilith.yaml").content["page"]

@@ -159,6 +159,7 @@ def test_a_tower_on_soft_ground_buckles_under_its_weight(height: float, stands: 
             solver.start()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stiffness", [1e9, 1e10])
 def test_a_flat_arch_on_corner_nodes_snaps_as_two_struts_do(stiffness: float) -> None:
     """Struts of half the span L1, of height t, on corner springs: P = k A t^3 0.385 / L1^2 ..."""
@@ -246,6 +247,7 @@ def test_forces_balance_where_the_pieces_are() -> None:
     assert unbalanced_share(assembly, loads, point.load, point.force) > 0.5  # not as built
 
 
+@pytest.mark.long
 def test_a_loose_brick_that_is_pushed_out_does_not_end_the_path() -> None:
     """A wall of five courses under a weight: bricks at its heel come loose long before it falls."""
     blocks: dict[str, Any] = {

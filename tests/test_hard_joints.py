@@ -90,6 +90,7 @@ def first_failure(model: Assembly, loads: Loads) -> FirstFailure:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("layout", NodeLayout)
 def test_rough_locks_in_torsion_carry_until_a_bond_fails(layout: NodeLayout) -> None:
     model, loads = loaded(ROUGH, math.inf, 0.033, layout, Push.MINUS_Y)
@@ -245,6 +246,7 @@ def test_beyond_some_stiffness_dry_faces_are_rigid(ratio: float) -> None:
     assert found.peak.load == pytest.approx(RIGID_DRY, rel=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("locks", "e_over_a"), [(3, math.inf), (9, 0.3)])
 def test_the_first_failure_no_longer_depends_on_the_stiffness(locks: int, e_over_a: float) -> None:
     problems = (problem(ratio, e_over_a, locks) for ratio in (1e5, 1e6))
@@ -316,6 +318,7 @@ def test_the_ends_of_every_span_are_reached(end: float) -> None:
         assert sampled or any(value == pytest.approx(bound, abs=1e-3) for value in found[name])
 
 
+@pytest.mark.long
 @settings(max_examples=20, deadline=None)
 @given(place=PLACE, space=st.sampled_from(RIGID))
 def test_the_safe_load_is_below_the_first_failure(place: list[float], space: Space) -> None:

@@ -63,6 +63,7 @@ def test_the_fewest_locks_do_and_one_lock_fewer_does_not(demand: Demand) -> None
         assert (safe(joint, demand.direction(joint)).load >= demand.load(joint)) is meets
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "prices", [Prices(), Prices(0.0, 1.0), Prices(0.0, 0.0, 1.0), Prices(1.0, 50.0, 0.3)]
 )

@@ -50,6 +50,7 @@ def pressed(
     return Loads(permanent, variable, joint.T0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5])
 def test_the_joint_as_two_blocks_has_the_numbers_of_the_joint(eccentricity: float) -> None:
     joint = sawn(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))

@@ -39,6 +39,7 @@ def test_a_peak_is_found_below_that_of_the_first_path(far: StaticSolution) -> No
     assert far.first_failure_load == first.first_failure_load
 
 
+@pytest.mark.long
 def test_the_lowest_peak_stays_where_last_digits_of_the_input_change(far: StaticSolution) -> None:
     assembly, loads = LONG
     nodes = assembly.nodes

@@ -65,6 +65,7 @@ def test_walls_part_where_they_cracked_course_by_course() -> None:
             assert row["computed_m"] == pytest.approx(row["crack_m"], abs=0.011)
 
 
+@pytest.mark.long
 def test_a_granite_wall_rocks_at_what_was_measured() -> None:
     granite = campaigns()["granite"]
     kind = {"40 kN": granite.kinds["40 kN"]}

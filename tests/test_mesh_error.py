@@ -142,6 +142,7 @@ def loads_of(
 SLOW = [pytest.param(n, marks=pytest.mark.study) for n in (NodeLayout.CENTRES, NodeLayout.VERTICES)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("nodes", [NodeLayout.LOBATTO, *SLOW])
 def test_mesh_errors_of_random_joints_are_upper_estimates(nodes: NodeLayout) -> None:
     missed = {"first failure": 0, "peak": 0}

@@ -189,6 +189,7 @@ def imported_by(*folders: str) -> tuple[set[str], set[str]]:
     return found, {canonicalize_name(each) for name in found for each in known.get(name, ())}
 
 
+@pytest.mark.long
 def test_every_dependency_is_used() -> None:
     folders = ("sidmacib", "workflow", "analysis", "studies", "benchmarks", "tests")
     imported, used = imported_by(*folders)

@@ -165,6 +165,7 @@ def test_a_block_on_a_slope_slides_later_if_it_is_pressed(permanent: dict[str, A
     assert answer.mode == "sliding"
 
 
+@pytest.mark.long
 def test_a_force_on_top_of_a_tilted_block_holds_it_by_its_lever() -> None:
     """W (h sin t - b cos t) / 2 = P x + Q h about the lower edge, x = 0; Q pulls it uphill."""
     force = {**PRESSED[1]["force"], "at": [0.2, 0.5, 1], "newtons": 0.1 * WEIGHT}
@@ -293,6 +294,7 @@ def both(blocks: list[Block], axis: Vector) -> tuple[float, float]:
     return static_tilt(model, tilt).angle, limit_tilt(model, tilt).angle
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shape", SHAPES)
 @settings(max_examples=2, deadline=None)
 @given(

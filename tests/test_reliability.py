@@ -66,6 +66,7 @@ JOINT = sawn(5, a=0.08, H=0.06)
 PRESSED = replace(JOINT, hold_down=HoldDown(Hold.PRESSURE, 4e4))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("joint", [JOINT, PRESSED], ids=["plate", "pressure"])
 def test_five_of_a_hundred_drawn_joints_fail_below_the_characteristic_value(joint: Joint) -> None:
     """By the static model, of joints whose locks differ in strength."""

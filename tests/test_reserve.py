@@ -26,6 +26,7 @@ from workflow.schema import with_changes
 MILANKOVITCH = 0.10746  # least thickness over the mean radius of a semicircular arch, 100 voussoirs
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("thickness", [0.115, 0.15, 0.2])
 def test_the_factor_of_an_arch_is_its_thickness_over_the_least(thickness: float) -> None:
     """To 0.2 %: what is thinned are the joints, not the blocks and their weights."""
@@ -76,6 +77,7 @@ def said(path: Path, given: dict[str, Any], *more: str) -> tuple[int, str, list[
     return found.exit_code, found.stderr.splitlines()[-1], json.loads(found.stdout)["rows"]
 
 
+@pytest.mark.long
 def test_the_command_says_whether_a_structure_stands_and_with_what_reserve(tmp_path: Path) -> None:
     path, law = tmp_path / "stack.yaml", {"friction": 0.7, "compressive_strength": "1MPa"}
     half = {"blocks": {"cube": {"high": [0.5, 1, 1]}}, "interfaces": law}
@@ -93,6 +95,7 @@ def test_the_command_says_whether_a_structure_stands_and_with_what_reserve(tmp_p
     assert said(path, {**given, "permanent": [falls]})[:2] == (1, fallen)
 
 
+@pytest.mark.long
 def test_it_is_drawn_under_the_acceleration_that_fells_it_first(tmp_path: Path) -> None:
     path, picture, note = (tmp_path / f"arch.{each}" for each in ("yaml", "svg", "html"))
     written = ("--picture", str(picture), "--note", str(note))
@@ -108,6 +111,7 @@ def test_it_is_drawn_under_the_acceleration_that_fells_it_first(tmp_path: Path) 
     assert "does not stand" in note.read_text()
 
 
+@pytest.mark.long
 def test_a_load_in_the_file_may_be_left_out(tmp_path: Path) -> None:
     code, verdict, rows = said(tmp_path / "stack.yaml", example("trilith"), "--reserve")
     assert code == 0
@@ -256,6 +260,7 @@ def test_bonds_count_in_the_reserve_where_they_carry_more_than_dry_joints(
     assert rows[-1]["note"] == ("the peak" if strength < 1e6 else "first failure of a bond")
 
 
+@pytest.mark.long
 def test_blocks_whose_bonds_fail_under_their_weight_may_stand_with_dry_joints(path: Path) -> None:
     """A stack whose upper block hangs over: the same answer as without bonds."""
     blocks = {
@@ -288,6 +293,7 @@ def test_a_tower_on_soft_ground_falls_at_what_its_weight_leaves(path: Path) -> N
     assert abs(rows[-1]["value"] / (203.35 / (2000 * 9.81 * 0.16 * 4.0)) - 1.0) > 0.1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bonds", [{}, {"cohesion": 2e4, "tensile_strength": 1e4}])
 def test_the_least_acceleration_is_that_of_the_same_load(
     path: Path, bonds: dict[str, float]

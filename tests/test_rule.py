@@ -162,6 +162,7 @@ def test_the_safe_load_of_elastic_blocks_that_weight_decides_is_below_their_firs
     assert 0.9 * 96.55 < safe(joint, Direction(math.inf)).load < 0.99 * 96.55
 
 
+@pytest.mark.long
 def test_stronger_bonds_never_carry_less() -> None:
     """Two stone locks under 1 m of wall: 5104 N fell to 1457 N where the stone was stronger."""
     bond = FaceMaterial(3.89e11, 1.62e11, 0.0, 1e5, 1e5)
@@ -335,6 +336,7 @@ def test_the_safe_rule_of_thin_blocks_that_bend_covers_their_mesh() -> None:
     assert safe(joint, direction, push).load < static_first_failure(*problem).point.load
 
 
+@pytest.mark.long
 def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> None:
     # Found by `make attack`: it rocks at 1.71 to 1.99 N, by the mesh and the increments, and at
     # 1.685 N without friction.
@@ -355,6 +357,7 @@ def test_a_joint_that_moves_first_is_safe_whatever_its_friction_did_before() -> 
     assert 0.75 * smooth.load < found.load < 1.71
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("eccentricity", [0.6, 2.0])
 def test_where_friction_alone_holds_a_joint_under_a_plate_there_is_no_safe_load(
     eccentricity: float,
@@ -374,6 +377,7 @@ def test_where_friction_alone_holds_a_joint_under_a_plate_there_is_no_safe_load(
         safe(joint, Direction(-1.15655), Push.MINUS_Y)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("eccentricity", [-0.45, -0.4929, -0.52])
 def test_where_each_finer_mesh_carries_less_there_is_no_safe_load(eccentricity: float) -> None:
     """Found by `make attack`, close to the end of the only face that bears, hardly pressed.

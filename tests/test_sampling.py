@@ -130,6 +130,7 @@ def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) 
         assert 4 * joint.T0 * load == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.long
 def test_more_freedom_never_fits_worse(points: pd.DataFrame) -> None:
     table = freedoms_table(points)
     rows = ["upper_body", "locks"]
@@ -159,6 +160,7 @@ def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Pa
     assert not {"law_tables", "points", "law"} & made.keys()
 
 
+@pytest.mark.long
 def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:
     """In pure shear a hangs together with nothing: forces and strengths grow with it alike."""
     section = SamplingSection(joints=2, friction=(0.0, 1e-9))

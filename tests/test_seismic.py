@@ -107,6 +107,7 @@ def test_the_command_says_no_with_its_equations(tmp_path: Path) -> None:
     assert "NOT verified" in note and "(C8.7.1.10)" in note and "SHA-256" in note
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "words"),
     [

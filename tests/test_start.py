@@ -112,6 +112,7 @@ def test_engines_come_after_a_first_report(tmp_path: Path, monkeypatch: pytest.M
     assert made("[yade]") == [True]
 
 
+@pytest.mark.long
 def test_a_picture_is_drawn_in_a_notebook(tmp_path: Path) -> None:
     words = ("envelope", "-n", "2", "-m", "law", "--picture", tmp_path / "law.svg")
     found = python("-c", PROGRAM, *words, MPLBACKEND="module://not_there.backend_inline")
@@ -233,6 +234,7 @@ def test_output_that_finds_no_room_ends_with_one_line(form: str) -> None:
     assert (found.returncode, found.stderr) == (2, "Error: No space left on device\n")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("option", "name"), [("--picture", "drawn.svg"), ("--note", "n.html")])
 def test_a_file_that_finds_no_room_is_named(option: str, name: str, tmp_path: Path) -> None:
     path = tmp_path / name

@@ -51,6 +51,7 @@ def lobatto(joint: Joint, e_over_a: float) -> StaticSolution:
     return static_peak(*posed(joint, Loading(Direction(e_over_a)), 0.02))
 
 
+@pytest.mark.long
 def test_no_equilibrium_counts_in_which_a_piece_that_has_broken_off_turns_far() -> None:
     # At e = a/2 column 1 breaks off, and its load acts above the edge of lock 2. YADE: 542.7 N.
     elastic = (replace(STRONG, elastic=law) for law in (Elastic(1e10, 0.2), ALMOST_RIGID))
@@ -70,6 +71,7 @@ def test_nor_where_bonds_yield_or_soften(failure: Failure) -> None:
     assert found.turns == (failure is Failure.DUCTILE)
 
 
+@pytest.mark.long
 def test_a_path_ends_where_a_piece_that_has_broken_off_has_turned_by_2_degrees() -> None:
     rigid, found = (lobatto(each, 0.4) for each in (STRONG, replace(STRONG, elastic=ALMOST_RIGID)))
     assert rigid.first_failure_load < rigid.peak.load < 905.0  # LIGGGHTS; YADE 972 N
@@ -132,6 +134,7 @@ def test_without_tensile_strength_no_bond_of_a_joint_pulls(e_over_a: float) -> N
     assert 0.0 < found.peak.load < 1.001 * solved(sawn(3), e_over_a).peak.load
 
 
+@pytest.mark.long
 # --- how it ends ----------------------------------------------------------------------------------
 def test_a_stack_carries_weight_until_its_faces_are_pressed_in() -> None:
     model, loads = tilted_stack(2)

@@ -42,6 +42,7 @@ def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     assert rows["static"]["note"] == note
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("friction", [0.0, 0.6])
 def test_mesh_errors_of_twisted_bonds_cover_a_finer_mesh(path: Path, friction: float) -> None:
     bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": friction, "bond_friction": 0}

@@ -148,6 +148,7 @@ SUPPORTS_MOVE = {
 }
 
 
+@pytest.mark.long
 def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) -> None:
     bonded = {"variants": {"bonded": {"interfaces": {"cohesion": 1e5}}}}
     beams = {"description": SETTLING, "loads": SUPPORTS_MOVE, **bonded}

@@ -104,6 +104,7 @@ def test_least_and_greatest_thrust_bracket_the_path_of_the_static_model() -> Non
     assert movement[-1] < 1e-3
 
 
+@pytest.mark.long
 def test_an_arch_on_spreading_supports_falls_where_its_hinges_say() -> None:
     model, loads = semicircle()
     path, known = support_path(model, loads), HalfArch()
@@ -262,6 +263,7 @@ def test_a_beam_falls_in_yade_when_its_support_has_moved_by_the_overlap() -> Non
     assert found.movement == pytest.approx(0.05, rel=0.04)
 
 
+@pytest.mark.long
 def test_where_several_joints_slide_the_least_movement_is_told() -> None:
     """Rigid blocks do not say which: each may lose its overlap of 0.5 and 0.2 m first."""
     problem = structure_of(drawn_away(2.0, 0.2))

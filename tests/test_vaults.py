@@ -104,6 +104,7 @@ def small_barrel() -> list[Block]:
     return found
 
 
+@pytest.mark.long
 def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_path: Path) -> None:
     path = tmp_path / "vault.json"
     nodes = {
@@ -142,6 +143,7 @@ def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_pat
         assert written["load"] == {"acceleration": loads[case]}
 
 
+@pytest.mark.long
 def test_the_designed_stack_is_what_the_command_writes(tmp_path: Path) -> None:
     folder, written = FILE.parent, tmp_path / "designed.yaml"
     found = run("design", str(folder / "stack.yaml"), "--quiet", "--output", str(written))
@@ -158,6 +160,7 @@ def test_compas_dem_reads_the_file() -> None:
     assert {block.material.density for block in model.elements()} == {2000.0}
 
 
+@pytest.mark.long
 def test_a_search_in_place_of_trying_all_layouts_costs_the_same() -> None:
     """A cube between two walls is held by its locks alone, and pushed aside and down."""
     assembly = structure(row_of_cubes(1), dry(0.0), nodes=NodeLayout.VERTICES)
@@ -231,6 +234,7 @@ def test_a_pyramid_sees_what_stands_upside_down_and_what_falls() -> None:
     assert pyramid_tilt(*tilts(structure([GROUND, LEANING], dry(0.7)))) is None
 
 
+@pytest.mark.long
 def test_shapes_have_their_known_answers() -> None:
     published = yaml.safe_load(PUBLISHED.read_text())
     for answer in answers(published["shapes"]):
@@ -240,12 +244,14 @@ def test_shapes_have_their_known_answers() -> None:
             assert 0.995 * answer.limit < answer.static <= answer.limit * 1.0001, answer.name
 
 
+@pytest.mark.long
 def test_the_tilt_of_an_arch_does_not_hang_on_its_last_digits() -> None:
     """With friction that rises with pressure, stable steps were refused: 14.86 degrees."""
     model = structure(arch(100, 0.2 * (1.0 + 1e-9)), dry(HELD))
     assert static_tilt(model, tilting(model, ABOUT_Y)).angle == pytest.approx(15.779, abs=0.01)
 
 
+@pytest.mark.long
 def test_walls_that_slide_carry_their_known_acceleration_and_less_along_a_path() -> None:
     """Those of Ferris & Tin-Loi: sliding that dilates holds more than friction with a history."""
     published = yaml.safe_load(PUBLISHED.read_text())

@@ -318,6 +318,7 @@ def study_of(description: dict[str, Any], **keys: Any) -> dict[str, Any]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SAID)
 def test_a_verdict_says_what_decides(name: str, path: Path) -> None:
     assert SAID[name] in assembly(path, DEMANDED[name]).stdout.splitlines()[0]

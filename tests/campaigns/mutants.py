@@ -1,4 +1,4 @@
-"""Would the tests notice? Faults are put into the code, one by one, and the everyday tests run.
+"""Would the tests notice? Faults are put into the code, one by one, and tests run: all without engines.
 
     make mutants MUTANTS=200
 
@@ -25,7 +25,7 @@ from cosmic_ray.work_db import WorkDB, use_db
 from cosmic_ray.work_item import MutationSpec, TestOutcome
 
 READERS = ("workflow/results/__init__.py", "workflow/threedec.py")
-EVERYDAY = "not engine and not study and not machine"
+TESTS = "not engine and not study and not machine"
 COLUMNS = ("module", "line", "kind", "noticed", "diff")
 TYPES = "BitOr"  # float | None: no tests are for those
 Row = tuple[str, int, str, bool, str]
@@ -57,7 +57,7 @@ def importers(checkout: Path, module: str) -> list[str]:
 def command(checkout: Path, module: str | None = None) -> str:
     """The tests, in a shell: those that import the module, then all."""
     pytest = f"{shlex.quote(sys.executable)} -m pytest -x -q -p no:cacheprovider"
-    pytest += f" -m {shlex.quote(EVERYDAY)}"
+    pytest += f" -m {shlex.quote(TESTS)}"
     first = " ".join(importers(checkout, module)) if module else ""
     commands = f"{pytest} {first} && {pytest}" if first else pytest
     place = shlex.quote(str(checkout))
