@@ -7,7 +7,8 @@ sliding would dilate, so it overestimates; the torque of a face is limited by a 
 is used, without a reduction rule.
 
 A first programme finds the load. Many states of forces carry it; a second programme, with a small
-penalty on the sum of s^2 / A, picks the one for which that sum is least, which is unique.
+penalty on the sum of s^2 / A, picks the one for which that sum is least, which is unique. With
+limits of torque, or many nodes, one programme with that penalty does both.
 """
 
 import math
@@ -39,10 +40,10 @@ from sidmacib.mechanics.twist import EXCESS, Twist, torque_use
 # kept. With an even number of locks, rounding loses the last ones; bonds without friction
 # beside dry faces lose more.
 ACCURACIES = {1e-9: 9, 1e-7: 7, 1e-5: 5}
-MANY = 5000  # nodes from which the highest accuracy is not asked for: it takes twice as long
+MANY = 5000  # nodes from which one programme must do, and not with the highest accuracy
 # Penalty of the second programme: so small that it decides between equal loads only.
 SMALL = (1e-5, 1e-7, 1e-9)
-OF_ROUNDS = 1e-6  # penalty of the only programme of a round, whose load settles to less than that
+ONLY = 1e-6  # penalty of an only programme: of a round, whose load settles to less, or of `MANY`
 LOST = 1e-8  # relative loss of load by the penalty, at most
 MOTION_DIGITS = 9  # of the mechanism
 WHAT = "limit analysis"
@@ -194,8 +195,8 @@ def solved(
         if most is not None:
             constraints.append(load <= most / units.load)
         size = square_sum(s, units)
-        small = 0.0 if twist is None else OF_ROUNDS
-        accuracies = tuple(ACCURACIES)[small > 0.0 or s.shape[0] >= MANY :]
+        small = 0.0 if twist is None and s.shape[0] < MANY else ONLY
+        accuracies = tuple(ACCURACIES)[small > 0.0 :]
         met = solve(cp.Problem(cp.Maximize(load - small * size), constraints), WHAT, *accuracies)
         largest = float(load.value)
         of_load = ACCURACIES[met]
