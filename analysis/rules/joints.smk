@@ -98,14 +98,7 @@ rule figures:
         "../figures/draw.py"
 
 
-SUMMARY_INPUTS |= {
-    "validation": rules.comparisons.output.validation,
-    "fit": rules.comparisons.output.fit,
-    "best_fit": rules.comparisons.output.best_fit,
-    "capacity": rules.capacity.output.capacity,
-    "cases": rules.collect.output.cases,
-}
-REPORT_INPUTS |= {
+SHOWN_TABLES |= {
     "validation": rules.comparisons.output.validation,
     "capacity": rules.capacity.output.capacity,
     "weights": rules.collect.output.weights,
@@ -115,5 +108,4 @@ REPORT_INPUTS |= {
     "variants": rules.comparisons.output.variants,
 }
 if STUDY.demand is not None:
-    SUMMARY_INPUTS["demands"] = rules.capacity.output.demands
-    REPORT_INPUTS["demands"] = rules.capacity.output.demands
+    SHOWN_TABLES["demands"] = rules.capacity.output.demands

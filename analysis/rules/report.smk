@@ -18,7 +18,7 @@ SHOWN_STRUCTURES = {  # one case of each, whatever its model
 
 rule summary:
     input:
-        **SUMMARY_INPUTS,
+        **SHOWN_TABLES,
     output:
         summary=below("summary.txt"),
     log:
@@ -40,7 +40,7 @@ rule complete:
     input:
         **{
             name: path
-            for name, path in SUMMARY_INPUTS.items()
+            for name, path in SHOWN_TABLES.items()
             if name in ("cases", "structures", "earthquakes")
         },
         summary=rules.summary.output.summary,
@@ -58,7 +58,7 @@ rule complete:
 
 rule report:
     input:
-        **REPORT_INPUTS,
+        **SHOWN_TABLES,
         summary=rules.summary.output.summary,
     output:
         page=shown(REPORT),

@@ -87,13 +87,7 @@ rule supports:
 
 
 STRUCTURE_FILES = [*rules.structure_tables.output, *rules.structure_vtk.output]
-SUMMARY_INPUTS["structures"] = rules.structure_tables.output.structures
-if DEMANDED:
-    SUMMARY_INPUTS["verdicts"] = rules.structure_tables.output.verdicts
-if MEASURED_LOADS:
-    SUMMARY_INPUTS["measured_structures"] = rules.structure_tables.output.measured_structures
-REPORT_INPUTS |= dict(rules.structure_tables.output.items())
+SHOWN_TABLES |= dict(rules.structure_tables.output.items())
 if MOVING_SUPPORTS:
     STRUCTURE_FILES += rules.supports.output
-    SUMMARY_INPUTS |= dict(rules.supports.output.items())
-    REPORT_INPUTS |= dict(rules.supports.output.items())
+    SHOWN_TABLES |= dict(rules.supports.output.items())

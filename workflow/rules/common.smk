@@ -13,7 +13,7 @@ CAPTIONS = {  # of files in the report of Snakemake, by suffix
     ".png": ("Figures", "figure.rst"),
     ".html": ("Report", "report.rst"),
 }
-SUMMARY_INPUTS, REPORT_INPUTS = {}, {}  # tables of the summary and the report
+SHOWN_TABLES = {}  # those that the summary and the report are made from, by name
 RETRIES = 2  # as in profiles/slurm
 TIME_LIMIT = math.ceil(STUDY.dem.time_limit)  # s, of an engine in each case
 NOTES = "notes"  # folder of what was asked of each job

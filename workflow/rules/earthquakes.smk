@@ -64,5 +64,4 @@ rule fragility_figures:
 
 
 EARTHQUAKE_FILES = [*SHAKEN, *rules.fragility.output, *rules.fragility_figures.output]
-for each in (SUMMARY_INPUTS, REPORT_INPUTS):
-    each |= dict(rules.fragility.output.items())
+SHOWN_TABLES |= dict(rules.fragility.output.items())
