@@ -100,8 +100,8 @@ def geometries(grid: pd.DataFrame, of_study: pd.DataFrame) -> Figure:
     """The misfit over both ratios, and its least value over each size."""
     shown = grid
     for size in ("a_m", "friction"):  # those of the grid that are nearest to the study's last joint
-        nearest = (shown[size] - of_study[size].iloc[-1]).abs().min()
-        shown = shown[np.isclose((shown[size] - of_study[size].iloc[-1]).abs(), nearest)]
+        apart = (shown[size] - of_study[size].iloc[-1]).abs()
+        shown = shown[np.isclose(apart, apart.min())]
     figure = Figure(figsize=(8.6, 7.4), layout="constrained")
     layout = figure.add_gridspec(2, 3, height_ratios=[1.6, 1.0])
     _map(figure, figure.add_subplot(layout[0, :]), shown, of_study)

@@ -281,7 +281,7 @@ def two_parts(points: Floats) -> dict[str, float]:
     they meet; ``slope_…``: -dM/dV of both; ``residual``: root mean square distance from the curve.
     """
     scaled = points / points.max(axis=0)
-    length = length_along(scaled)
+    length = np.cumsum([0.0, *np.hypot(*np.diff(scaled, axis=0).T)])  # up to each point
     place = length / length[-1]
     fits = []
     for turn in np.linspace(0.1, 0.9, 81):
@@ -293,8 +293,3 @@ def two_parts(points: Floats) -> dict[str, float]:
     near_shear, near_torsion = (float(-part[1] / part[0]) for part in np.diff(knots, axis=0))
     slopes = {"slope_near_shear": near_shear, "slope_near_torsion": near_torsion}
     return {"turn_from_shear": turn, **slopes, "residual": residual}
-
-
-def length_along(points: Floats) -> Floats:
-    """Length of a curve from its first point to each of ``points``, (N, 2); shape (N,)."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])

@@ -21,7 +21,6 @@ from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.models import LAWS, REFERENCE_MODEL, detailed
 from workflow.case import JointSubject, case_name
 from workflow.cases import cases_of
-from workflow.schema import Study
 
 MOST_BEHIND = 40  # points of a path behind its peak
 BODIES = {  # those that are drawn: words and line
@@ -41,8 +40,11 @@ def models(material: FigureData) -> Figure:
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
     for model in material.shown_models:
         model_curve(curves, material, model, material.sample, mesh)
-    for rule in LAWS:
-        rule_curve(curves, material, rule, material.sample, mesh)
+    laws = [name for name in LAWS if name in study.models]
+    for law in laws:
+        rule_curve(curves, material, law, material.sample, mesh)
+    names = " and ".join(label_of(law).name for law in laws)
+    dotted = f"Dotted: {names}; the law gives first failures. " if laws else ""
     published_point(curves, material, material.sample)
     vm_axes(curves, "largest loads")
     curves.set_ylim(top=1.35 * curves.get_ylim()[1])  # room for the legend
@@ -68,16 +70,10 @@ def models(material: FigureData) -> Figure:
         "are one state of many. Weight: shear on a lock over T0. Displacement: the one that the "
         "load works on; marks: at a quarter, half and three quarters of the first failure. "
         f"{path}Friction: V that reaches the lower body other than by its locks. "
-        f"{_of_rules(study)}{material.assumed_geometry}",
+        f"{dotted}{material.assumed_geometry}",
         height=0.13,
     )
     return figure
-
-
-def _of_rules(study: Study) -> str:
-    """The sentence on dotted curves, if the study has any."""
-    shown = [label_of(name).name for name in LAWS if name in study.models]
-    return f"Dotted: {' and '.join(shown)}; the law gives first failures. " if shown else ""
 
 
 def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) -> None:

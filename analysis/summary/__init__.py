@@ -110,11 +110,8 @@ def _worst(
 
 def worst_of(errors: Sequence[RuleError]) -> list[RuleError]:
     """The sample with the largest error for each rule, the rules in their order."""
-    largest: dict[str, RuleError] = {}
-    for each in errors:
-        if each.rule not in largest or each.error > largest[each.rule].error:
-            largest[each.rule] = each
-    return [*largest.values()]
+    rules = dict.fromkeys(each.rule for each in errors)
+    return [max((e for e in errors if e.rule == rule), key=lambda e: e.error) for rule in rules]
 
 
 def direction_words(ratio: float) -> str:
