@@ -8,21 +8,15 @@ import pandas as pd
 
 from analysis.drawing import label_of
 from analysis.report import failed_cases, finding
-from analysis.summary import AGREEMENT
-from analysis.summary.structures import (
-    first_failure,
-    measured_lines,
-    peak,
-    structure_disagreement,
-    verdict_lines,
-)
+from analysis.summary import AGREEMENT, varied
+from analysis.summary.structures import measured_lines, structure_disagreement, verdict_lines
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import FIRST_FAILURE
 from sidmacib.scene.drawn import points_of, shape_of
 from sidmacib.scene.forces import arrows_of, forces_of
 from sidmacib.structure.analysis.forces import InterfaceRow
-from workflow.case import REFERENCE, StructureCase
+from workflow.case import StructureCase
 
 LIMIT, LEAST = "limit", "limit, least"
 MOST_ROWS = 20_000  # of interfaces and blocks: what the page has room for
@@ -112,8 +106,7 @@ def supports_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
     for (structure, load, variant), rows in table.groupby(
         ["structure", "load", "variant"], sort=False
     ):
-        case = load if variant == REFERENCE else f"{load}, {variant}"
-        name, last = f"{structure}, {case}", rows.iloc[-1].to_dict()
+        name, last = f"{structure}, {varied(load, variant)}", rows.iloc[-1].to_dict()
         if last["answer"] == "none":
             found.append(finding(name, f"No result: {last['note']}.", "bad"))
             continue
@@ -136,8 +129,7 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
                 continue
             static = answered[answered["model"].eq(REFERENCE_MODEL)]
             row = (answered if static.empty else static).iloc[0].to_dict()
-            case = load if variant == REFERENCE else f"{load}, {variant}"
-            lines.append(f"{case}: {_of_model(row)}")
+            lines.append(f"{varied(load, variant)}: {_of_model(row)}")
         more = f"; and {len(lines) - MOST_TOLD} more" if len(lines) > MOST_TOLD else ""
         text = "; ".join(lines[:MOST_TOLD]) + more if lines else "No model has a result"
         yield finding(str(structure), f"{text}.")
@@ -146,12 +138,16 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
 def _of_model(row: Mapping[str, Any]) -> str:
     """The load of a model that counts with its mesh error, and the other one that it found."""
     notes, error = [label_of(row["model"]).name], row["mesh_error"]
+    first, peak = f"{row['first_failure_load_N']:.5g} N", f"{row['peak_N']:.5g} N"
+    if pd.notna(row["tilt_degrees"]):
+        first = f"{row['first_failure_tilt_degrees']:.5g} degrees"
+        peak = f"{row['peak_tilt_degrees']:.5g} degrees"
     if pd.notna(error):
         notes.append(f"mesh error {round(100 * error, 1):g} %")
     if row["counts"] == FIRST_FAILURE:
-        notes.append(f"first bond failure; the peak of {peak(row)} is not reliable")
+        notes.append(f"first bond failure; the peak of {peak} is not reliable")
     elif pd.notna(row["first_interface"]):
-        notes.append(f"first bond failure at {first_failure(row)}")
+        notes.append(f"first bond failure at {first}")
     return f"{_answer(row)} ({', '.join(notes)})"
 
 

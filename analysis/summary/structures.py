@@ -39,9 +39,9 @@ def summary(
         lines += map(_line, rows.to_dict("records"))
     if supports is not None:
         lines += _of_supports(supports)
-    return "\n".join([*lines, "", f"Tables: {results}/tables/structures.csv, interfaces.csv,"]) + (
-        f" blocks.csv; for ParaView: {results}/structures/vtk\n"
-    )
+    tables = f"{results}/tables/structures.csv, interfaces.csv, blocks.csv"
+    lines += ["", f"Tables: {tables}; for ParaView: {results}/structures/vtk", ""]
+    return "\n".join(lines)
 
 
 def verdict_lines(verdicts: pd.DataFrame) -> Iterator[tuple[str, str, bool]]:
@@ -97,10 +97,8 @@ def _line(row: Mapping[str, Any]) -> str:
     tilts = pd.notna(row["tilt_degrees"])
     if pd.isna(row["load_N"]) and not tilts:
         refused = pd.notna(row["refused"])
-        why = row["refused"] if refused else row["error"]
-        return f"  {row['model']:10}{'-':>14}{'-':>13}{'-':>11}  " + (
-            f"no answer: {why}" if refused else f"no result: {why}"
-        )
+        why = f"no answer: {row['refused']}" if refused else f"no result: {row['error']}"
+        return f"  {row['model']:10}{'-':>14}{'-':>13}{'-':>11}  {why}"
     value, share = row["load_N"], f"{row['load_over_weight']:.4f}"
     if tilts:
         value, share = row["tilt_degrees"], ""
@@ -130,19 +128,3 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
     elif pd.notna(row["counts"]):
         yield f"the {row['counts']} counts: {row['because']}"
         yield f"failure mode: {row['mode']}"
-
-
-def first_failure(row: Mapping[str, Any]) -> str:
-    """The load or the tilt at which the first bond fails, with its unit."""
-    return _with_unit(row, "first_failure_load_N", "first_failure_tilt_degrees")
-
-
-def peak(row: Mapping[str, Any]) -> str:
-    """The largest load or tilt, with its unit."""
-    return _with_unit(row, "peak_N", "peak_tilt_degrees")
-
-
-def _with_unit(row: Mapping[str, Any], load: str, tilt: str) -> str:
-    if pd.notna(row["tilt_degrees"]):
-        return f"{row[tilt]:.5g} degrees"
-    return f"{row[load]:.5g} N"
