@@ -136,10 +136,8 @@ def answers(state: Settings) -> Answers:
     rules: dict[str, LawCapacity] = {}
     why = ""
     try:
-        for name, rule in RULES.items():
+        for name, rule in (RULES | resistances(state.reliability)).items():
             rules[name] = rule(joint, direction)
-        for name, resistance in resistances(state.reliability).items():
-            rules[name] = resistance(joint, direction)
     except (CapacityError, ValueError) as error:
         why = f" No {'resistance' if 'safe' in rules else 'safe rule'}: {error}."
     known = [name for name in DESIGN_WITH if name in rules]

@@ -166,7 +166,7 @@ class OpenedFiles:
             if (of := str(sent.of)) not in self._found:
                 raise ValueError(FORGOTTEN)
             self._found[of] = self._found.pop(of)  # to the end
-            found = self._found[of].changed(sent.numbers)
+            found = opened_file(self._found[of].files, sent.numbers)
         else:
             found = opened_file(sent.files)
         self._newest += 1
@@ -184,19 +184,11 @@ class OpenedFiles:
 
 
 class OpenedFile(NamedTuple):
-    """A structure that was sent: its ``path`` among ``files``, and its name for the command."""
+    """A structure that was sent: its name for the command, what that says, and its ``files``."""
 
     name: str
     answer: StructureAnswer
-    path: str
     files: Sequence[SentFile]
-
-    def changed(self, numbers: Mapping[str, float]) -> "OpenedFile":
-        """With ``numbers`` by name in place of those in its file. Errors of the models."""
-        with TemporaryDirectory() as folder:
-            for each in self.files:
-                _written(each, Path(folder))
-            return _opened(Path(folder) / self.path, self.files, numbers)
 
     def page(self, words: Mapping[str, Any]) -> str:
         """The command's page; ``words``: those that it has beyond the command's."""
@@ -209,8 +201,10 @@ class OpenedFile(NamedTuple):
         )
 
 
-def opened_file(files: Sequence[SentFile]) -> OpenedFile:
-    """The structure in ``files``.
+def opened_file(
+    files: Sequence[SentFile], numbers: Mapping[str, float] | None = None
+) -> OpenedFile:
+    """The structure in ``files``, with ``numbers`` by name in place of its own.
 
     A YAML file with blocks counts, which may name the others; if there is none, a file of blocks,
     to which a YAML file of the same name says what it lacks. Errors of the models; ValueError for
@@ -224,14 +218,13 @@ def opened_file(files: Sequence[SentFile]) -> OpenedFile:
         if len(found) > 1:
             names = ", ".join(path.name for path in found)
             raise ValueError(f"{names}: are {len(found)} structures; open them one by one")
-        return _opened(found[0], files)
+        return OpenedFile(*_solved(found[0], numbers or {}), files)
 
 
-def _opened(
-    path: Path, files: Sequence[SentFile], numbers: Mapping[str, float] | None = None
-) -> OpenedFile:
+def _solved(path: Path, numbers: Mapping[str, float]) -> tuple[str, StructureAnswer]:
+    """The name for the command, and what it says of the file with these ``numbers``."""
     description = description_in(path)
-    told = put_numbers(description, numbers or {})
+    told = put_numbers(description, numbers)
     demands = demands_of(description, path.parent)
     demand, name, notes = demands[0], path.name, [f"changed here: {', '.join(told)}"] * bool(told)
     if not demand.raises:
@@ -249,8 +242,7 @@ def _opened(
         _, words, solved = case_rows(demands)
         name = f"{path.name} --case {shlex.quote(str(solved.demand.case))}"
         notes.append(f"{words}.")
-    answer = StructureAnswer.of(path, description, solved, notes)
-    return OpenedFile(name, answer, path.name, files)
+    return name, StructureAnswer.of(path, description, solved, notes)
 
 
 def _written(file: SentFile, folder: Path) -> Path:
