@@ -25,8 +25,7 @@ def figure(name: str, earthquakes: pd.DataFrame, fragilities: pd.DataFrame) -> F
         axes.plot(x[fell], np.ones(fell.sum()), "x", color=VERMILION, label="falls")
         axes.plot(x[~fell], np.zeros((~fell).sum()), "o", mfc="none", color=BLUE, label="stands")
         same = (fragilities["structure"] == name) & (fragilities["intensity"] == column)
-        row = fragilities[same].iloc[0] if same.any() else None
-        if row is not None and pd.notna(row["median"]):
+        for row in fragilities[same].dropna(subset=["median"]).to_dict("records"):
             along = np.linspace(1e-3, 1.1, 200) * float(x.max())
             share = norm.cdf(np.log(along * unit / row["median"]) / row["dispersion"])
             axes.plot(along, share, color=GREY, label="lognormal fit")
