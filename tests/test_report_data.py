@@ -16,7 +16,7 @@ from small import ONE, SMALL
 from analysis.paths import path_of, shown_cases
 from analysis.report import headings, words
 from analysis.report.joints import sample_words
-from analysis.report.page import ADDRESS, SCRIPTS_OF_PARTS
+from analysis.report.page import ADDRESS, SCRIPTS_OF_PARTS, versions_of
 from analysis.report.page import SCRIPTS as SCRIPTS_OF_ALL
 from analysis.vtk import write_path
 from sidmacib import Direction, Elastic, Loading, NodeLayout
@@ -38,6 +38,13 @@ def test_headings_have_units_and_no_underscores() -> None:
     held = dict.fromkeys(known, 0.5) | {"error": "a reason"}
     found = headings({"capacity": pd.DataFrame([held])})["capacity"]
     assert [(each["title"], each["times"]) for each in found] == [*known.values()]
+
+
+def test_an_engine_of_several_cases_is_told_once() -> None:
+    versions = ["yade 2022.01a", "liggghts 3.8.0, yade 2022.01a", None]
+    told = [name for name, _ in versions_of({"cases": pd.DataFrame({"versions": versions})})]
+    assert told[1:3] == ["LIGGGHTS", "YADE"]
+    assert len(told) == len(set(told))
 
 
 def test_every_column_has_a_heading_that_can_be_read_and_a_meaning() -> None:

@@ -192,8 +192,7 @@ def commit() -> str:
 def _engines(tables: Mapping[str, pd.DataFrame]) -> Iterator[tuple[str, str]]:
     """Names and versions of the engines that cases of these tables were run with."""
     told = [tables[name]["versions"].dropna() for name in ("cases", "structures") if name in tables]
-    texts = {text for column in told for text in column if text}
-    for text in sorted(part.strip() for each in texts for part in str(each).split(",")):
+    for text in sorted({part.strip() for each in told for of in each for part in of.split(",")}):
         name, _, number = text.partition(" ")
         if name in ENGINES:
             yield ENGINES[name].label, number
