@@ -1,4 +1,4 @@
-"""Would the tests notice? Faults are put into the code, one by one, and tests run: all without engines.
+"""Would tests notice? Faults are put into the code, one by one, and all without an engine run.
 
     make mutants MUTANTS=200
 
