@@ -103,6 +103,7 @@ def answer(state: Settings) -> JointAnswer:
     return joint_answer(state.joint, Loading(Direction(state.eccentricity)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", JOINTS)
 def test_a_joint_has_the_same_load_at_every_door(name: str) -> None:
     state = JOINTS[name]

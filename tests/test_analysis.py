@@ -94,6 +94,7 @@ def test_a_first_failure_is_held_against_the_static_models_first_failure(results
     assert table["static_load_N"].tolist() == pytest.approx([first, results[0].load_N])
 
 
+@pytest.mark.long
 def test_a_case_without_a_result_is_a_hole_that_tables_name(study, results, tmp_path: Path) -> None:
     case = next(c for c in cases_of(study).values() if c.name == results[1].name)
     reason = "yade: out of time after 1 s"
@@ -122,6 +123,7 @@ def test_the_best_pair_finds_distance_and_strength_of_a_made_up_curve(study, res
     assert best["misfit"] < 1e-3
 
 
+@pytest.mark.long
 def test_every_combination_is_ranked_and_the_winner_is_the_closest(study, results) -> None:
     capacity = capacity_of(study, results)
     fit = fit_table(capacity)
@@ -289,6 +291,7 @@ def test_of_joints_of_ones_own_what_they_carry_is_answered_first() -> None:
     assert not any(line.startswith("What does") for line in others)
 
 
+@pytest.mark.long
 def test_a_study_says_first_whether_its_joints_carry_the_load_it_asks_for() -> None:
     """With the numbers of `multilock capacity` for the same joint and load."""
     demand = {"shear": 200.0, "eccentricity": 0.2}
@@ -336,6 +339,7 @@ def test_loads_are_printed_as_shear_and_torque_for_each_ratio_of_eccentricity(
         assert row[1:3] == [f"{shear:.5g}", f"{torque:.5g}"]
 
 
+@pytest.mark.long
 def test_a_rule_that_refuses_says_why_in_the_summary() -> None:
     samples = {"long": {"locks": 33}, "weak": {"locks": 3}}
     study = study_of(samples=samples, eccentricities=[0, "torsion"])

@@ -66,6 +66,7 @@ def test_the_first_failure_counts_where_meshes_disagree_on_the_peak() -> None:
     assert answer.failures.peak > 1.1 * answer.load
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "same"), [("bonded arch", "arch/arch"), ("mortar wall", "wall/wall")]
 )

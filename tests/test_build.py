@@ -364,6 +364,7 @@ def test_blocks_move_into_place_in_order_through_nothing_that_is_there() -> None
         there.append(found[number])
 
 
+@pytest.mark.long
 def test_a_pose_takes_the_stl_file_to_its_place_and_the_centre_is_that_of_mass(
     tmp_path: Path,
 ) -> None:

@@ -28,6 +28,7 @@ def turns(curve: CapacityCurve, piece: int) -> Floats:
     return np.array([math.atan2(turn[0, 2], turn[0, 0]) for turn in matrices])
 
 
+@pytest.mark.long
 def test_a_rocking_block_carries_its_weight_times_tan_of_what_is_left_of_the_angle() -> None:
     model = on_ground(0.7)
     curve = capacity_curve(model, acceleration(model, ALONG_X))
@@ -41,6 +42,7 @@ def test_a_rocking_block_carries_its_weight_times_tan_of_what_is_left_of_the_ang
     assert curve.hinges == ("ground-block",) and not curve.slides
 
 
+@pytest.mark.long
 def test_the_point_of_a_force_moves_with_its_block() -> None:
     model = on_ground(0.7)
     loads = force_at(model, "block", (0.0, DEPTH / 2, HEIGHT), ALONG_X)
@@ -51,6 +53,7 @@ def test_the_point_of_a_force_moves_with_its_block() -> None:
     assert curve.load[:-1] == pytest.approx(expected, abs=1e-6 * curve.load[0])
 
 
+@pytest.mark.long
 def test_a_block_that_slides_does_not_climb_and_tips_where_its_centroid_leaves_the_edge() -> None:
     blocks = [
         box("table", (-0.2, 0.0, -0.1), (0.5, DEPTH, 0.0), 2e3, fixed=True),
@@ -66,6 +69,7 @@ def test_a_block_that_slides_does_not_climb_and_tips_where_its_centroid_leaves_t
     assert max(heights) == pytest.approx(0.1, abs=0.002)
 
 
+@pytest.mark.long
 def test_blocks_none_of_which_is_convex_are_followed() -> None:
     angle = [(0, 0, 0), (0.6, 0, 0), (0.6, 0.2, 0), (0.2, 0.2, 0), (0.2, 0.6, 0), (0, 0.6, 0)]
     base = prism("base", angle, (0.0, 0.0, -0.1), 2e3, fixed=True)
@@ -109,6 +113,7 @@ def by_virtual_work(centroids: Callable[[float], tuple[Floats, Floats]], angle: 
     return float(2.0 * z / x)
 
 
+@pytest.mark.long
 def test_a_wall_of_two_blocks_follows_its_three_hinges() -> None:
     model, centroids = wall(0.1)
     curve = capacity_curve(model, acceleration(model, ALONG_X))
@@ -160,6 +165,7 @@ def with_hinges_that_stay(model: Assembly, joints: list[int]) -> Callable[[float
     return load
 
 
+@pytest.mark.long
 def test_hinges_of_a_thin_arch_move_and_it_carries_less_than_with_hinges_that_stay() -> None:
     model = structure(arch(15, 0.2), dry(0.8))
     stay = with_hinges_that_stay(model, [0, 4, 9, 14])

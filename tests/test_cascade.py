@@ -142,6 +142,7 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
     return replace(block_on_ground(joint, Kind.INNER, mesh), failure=failure)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("failure", [Failure.SOFTENING, Failure.DUCTILE])
 def test_next_to_no_tensile_strength_carries_as_much_as_none(failure: Failure) -> None:
     """The first failure is then at next to no load, or before the load is raised."""

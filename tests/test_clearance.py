@@ -32,6 +32,7 @@ def test_edges_of_locks_in_corners_of_hollows_are_rounded() -> None:
         assert one.volume == other.volume
 
 
+@pytest.mark.long
 def test_a_radius_that_changes_nothing_is_told(tmp_path: Path) -> None:
     words = "Note: --radius changes nothing: no edge of a lock lies in a corner of a hollow"
     to = "--radius", "5mm", "-o", str(tmp_path / "out")

@@ -226,6 +226,7 @@ def test_a_quick_answer_loads_no_solver_of_others(
     assert float(time) < 4.0 * seconds  # a busy machine takes longer
 
 
+@pytest.mark.long
 def test_only_what_compiled_code_prints_meanwhile_is_dropped() -> None:
     code = """import ctypes
 from sidmacib.mechanics.optimisation import silent

@@ -34,6 +34,7 @@ def test_the_static_model_of_pieces_that_bend_is_asked_for_by_name() -> None:
     assert [row["model"] for row in answers("capacity", "-n", "3")] == ["safe", "law", "static"]
 
 
+@pytest.mark.long
 def test_the_mesh_error_is_that_of_the_load_it_stands_beside() -> None:
     flags = ["-n", "5", "-a", "0.08", "-H", "0.06", "-e", "0.5", "-m", "static"]
     (row,) = answers("capacity", *flags)
@@ -145,6 +146,7 @@ def test_weights_are_those_of_each_lock() -> None:
     assert max(in_shear) == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.long
 def test_effects_are_those_of_the_library_largest_first() -> None:
     flags = ["-n", "3", "-e", "0.3", "--hold-down", "pressure:5e4", "--push=-y"]
     rows = answers("sensitivity", *flags)

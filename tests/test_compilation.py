@@ -89,12 +89,14 @@ def answer(kernels: Path, before: str = "", **environment: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.long
 def test_without_a_folder_to_write_to_they_are_compiled_for_the_process(kernels: Path) -> None:
     (kernels / "__pycache__").touch()  # a file where numba's folder would be
     assert answer(kernels, HOME="/dev/null", NUMBA_CACHE_DIR="/dev/null") == "6.0"
     assert not list(kernels.rglob("*.nb?"))
 
 
+@pytest.mark.long
 def test_where_nothing_can_be_written_the_answer_is_given(kernels: Path, tmp_path: Path) -> None:
     full = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))"
     assert answer(kernels, full, NUMBA_CACHE_DIR=str(tmp_path / "c")) == "6.0"

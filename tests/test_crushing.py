@@ -62,6 +62,7 @@ def assert_both_crush(problem: Problem, limit: float) -> None:
     assert told and float(told[1]) == pytest.approx(limit, rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.2, 0.25, 0.37, 0.45])
 def test_a_block_under_an_eccentric_load_carries_a_rectangular_stress_block(share: float) -> None:
     """N = f_c b (h - 2 e), of the load and the weight, which is in the middle."""
@@ -136,6 +137,7 @@ def test_no_stress_block_is_taken_to_carry_more(name: str, angle: float, share: 
         assert use <= 1.3  # which the polyhedron is not far inside of, however askew
 
 
+@pytest.mark.long
 def test_forces_that_can_go_elsewhere_carry_more_than_what_crushes_first() -> None:
     """An arch with its first hinge is no mechanism: limit analysis decides, below the peak."""
     without = static_answer(structure_of(study("arch/arch"))).load
@@ -150,6 +152,7 @@ def test_forces_that_can_go_elsewhere_carry_more_than_what_crushes_first() -> No
     assert slides.mode != CRUSHING
 
 
+@pytest.mark.long
 def test_the_command_names_what_is_crushed_and_decides_by_it(path: Path) -> None:
     demand = PUSH | {"newtons": "5kN"}
     found = assembly(path, pier(demand))

@@ -63,6 +63,7 @@ def commands(page: Path, program: str) -> list[list[str]]:
     return [each[1:] for each in words if each[0] == program]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_python_examples_print_what_their_comments_promise(page: Path) -> None:
     names: dict[str, Any] = {}

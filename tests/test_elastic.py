@@ -197,6 +197,7 @@ def test_a_smooth_pressed_joint_is_solved_silently(capfd: pytest.CaptureFixture[
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cells", [2, 3, 4])
 @pytest.mark.parametrize("layout", [NodeLayout.CENTRES, NodeLayout.VERTICES])
 @pytest.mark.parametrize(

@@ -93,6 +93,7 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
     return -sides.sum(axis=0) + 2 * np.cumsum(turns, axis=0)
 
 
+@pytest.mark.long
 @settings(max_examples=20)
 @given(st.lists(st.integers(1, 50), min_size=1, max_size=6, unique=True), st.integers(2, 5))
 def test_without_friction_a_contact_point_adds_two_edges(distances: list[int], locks: int) -> None:

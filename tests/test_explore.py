@@ -160,6 +160,7 @@ def test_two_variants_are_compared_in_what_differs_and_in_all_results() -> None:
     assert compared((many, {}), ({}, {}))[-1][0] == "and 80 more"
 
 
+@pytest.mark.long
 # --- effects ------------------------------------------------------------------------------------
 def test_an_arrow_points_to_where_the_first_failure_is_larger() -> None:
     state = Settings(locks=5, eccentricity=0.3, pressure=50.0)

@@ -151,6 +151,7 @@ def carried(joint: Joint, direction: Direction, increment: float | None = None) 
     return load * (direction.torque * joint.a if direction is TORSION else direction.shear)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["a", "b", "h", "cohesion", "friction"])
 @pytest.mark.parametrize("direction", [Direction(0.3), TORSION], ids=["eccentric", "torsion"])
 @pytest.mark.parametrize("joint", [sawn(5), ONE_PIECE], ids=["columns", "one piece"])
@@ -163,6 +164,7 @@ def test_effects_are_those_of_1_per_cent(joint: Joint, direction: Direction, nam
         assert mine == pytest.approx(theirs, abs=4e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("joint", "name"),
     [
@@ -185,6 +187,7 @@ def test_where_contacts_slide_effects_do_not_depend_on_the_increments(
         assert mine == pytest.approx(theirs, rel=0.05)
 
 
+@pytest.mark.long
 def test_where_another_node_fails_first_within_1_per_cent_there_is_no_derivative() -> None:
     """The slope of the load promises 0.77 % for 1 % less height, and 0.34 % are carried."""
     found = sensitivity(ONE_PIECE, Loading(TORSION), 0.24975 * ONE_PIECE.least_side)

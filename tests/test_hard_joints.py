@@ -172,6 +172,7 @@ def test_no_first_failure_is_stepped_over(joint: Joint, eccentricity: float, cel
     assert load == pytest.approx(fine, rel=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("space", SPACES[1:4], ids=lambda space: space.name)
 def test_first_failures_of_random_joints_do_not_depend_on_increments(space: Space) -> None:
     random, answered = np.random.default_rng(20), 0
@@ -187,6 +188,7 @@ def test_first_failures_of_random_joints_do_not_depend_on_increments(space: Spac
         assert load == pytest.approx(fine, rel=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("joint", "eccentricity"), FOUND)
 def test_safe_loads_are_below_first_failures_on_plateaus(joint: Joint, eccentricity: float) -> None:
     """A margin on the load alone made it 41.2 for 29.5 N, and 105.8 for 98.4 N."""

@@ -124,6 +124,7 @@ def exact_overturns(level: float, time: float) -> bool:
     return bool(found.y[0, :back].max() > 2.0 * alpha)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("level", [1.5, 3.0])
 def test_the_shortest_pulse_that_overturns_a_block(level: float) -> None:
     """Within 2 % of the equation of motion, which is Housner's (1963) for slender blocks."""
@@ -305,6 +306,7 @@ def test_no_vertex_passes_the_ground_below_steep_sides() -> None:
     assert answer.history.pressed < 5e-3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sides", [12, 24, 40])
 def test_a_drum_rests_and_tips_about_its_edge_where_statics_says(sides: int) -> None:
     """A force at its top tips it at W r / h, with the distance r of the edge in its direction."""

@@ -54,6 +54,7 @@ def test_the_volume_cut_is_that_of_all_locks() -> None:
     assert joint_area(joint) == pytest.approx(5 * 0.07 * 0.04)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("demand", [Demand(500.0), Demand(300.0, ratio=0.3), Demand(90.0, 8.0)])
 def test_the_fewest_locks_do_and_one_lock_fewer_does_not(demand: Demand) -> None:
     found = fewest_locks(WEIGHTLESS, demand).found
@@ -137,6 +138,7 @@ def test_the_cheapest_sizes_are_those_of_the_library() -> None:
     assert (row["safe_V_N"], row["safe_M_Nm"]) == (rounded(found.shear), rounded(found.torque))
 
 
+@pytest.mark.long
 def test_what_no_joint_carries_ends_with_how_far_they_are() -> None:
     found = run("joint", "-V", "3e4")
     assert found.exit_code == 1

@@ -99,6 +99,7 @@ def test_locks_that_no_solver_gave_a_verdict_for_have_a_limit_load() -> None:
     assert limit_load(*problem, friction=True).load == pytest.approx(1647.7, abs=0.1)
 
 
+@pytest.mark.long
 def test_a_wedge_that_only_dilation_holds_up_is_told_that_it_falls() -> None:
     path = CASES / "wedge_unstable.yaml"
     problem = read_structure(path)
@@ -112,6 +113,7 @@ def test_a_wedge_that_only_dilation_holds_up_is_told_that_it_falls() -> None:
     assert all(float(str(row["load_N"] or 0.0)) >= 0.0 for row in rows.values())
 
 
+@pytest.mark.long
 def test_rounds_that_do_not_settle_are_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sliding, "SLIDING_ROUNDS", 12)
     with pytest.raises(
@@ -126,6 +128,7 @@ def test_a_structure_too_large_for_rounds_is_refused(monkeypatch: pytest.MonkeyP
         sliding_limit(*read_flat_vault(3))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [5, 7, 9])
 def test_condensed_locks_carry_no_more_than_locks_that_are_cut_out(count: int) -> None:
     cut_out = static_peak(*structure_of(block_on_locks(count, None))).first_failure_load

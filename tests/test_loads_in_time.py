@@ -52,6 +52,7 @@ def test_the_factor_at_which_a_block_falls_is_that_of_its_pulse() -> None:
     assert moved(blocks, weak, 3.0).history.stands
 
 
+@pytest.mark.long
 def test_the_command_says_whether_it_stands_and_writes_the_history(tmp_path: Path) -> None:
     history, picture = tmp_path / "history.csv", tmp_path / "drift.svg"
     example = str(ROOT / "studies/time/arch.yaml")

@@ -23,6 +23,7 @@ from workflow.schema import with_changes
 SPAN = re.compile(r"(\d\.\d+) to (\d\.\d+)")
 
 
+@pytest.mark.long
 def test_every_kind_of_wall_is_a_structure() -> None:
     for campaign in campaigns().values():
         file = read_yaml(HERE / campaign.file)

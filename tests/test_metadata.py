@@ -203,6 +203,7 @@ def test_every_dependency_is_used() -> None:
     assert not NOT_IMPORTED & used, "no exception is needed"
 
 
+@pytest.mark.long
 def test_the_library_needs_no_more_than_it_imports() -> None:
     """Who wants one number for one joint installs no workflow."""
     imported, used = imported_by("sidmacib")

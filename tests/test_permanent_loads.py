@@ -128,6 +128,7 @@ def test_pressure_on_blocks_with_locks_is_that_on_their_sides() -> None:
     assert (np.abs(found.wrenches[:, 0]) > 0.0).sum() == 5  # two blocks and three locks
 
 
+@pytest.mark.long
 def test_the_point_of_a_permanent_force_moves_with_its_block() -> None:
     """A block that rocks about an edge under its weight and a force on the middle of its top."""
     force = DOWN["force"] | {"newtons": WEIGHT}
@@ -252,6 +253,7 @@ def test_a_bond_fails_where_the_weight_along_it_is_its_cohesion_and_friction_hol
         assert limit_tilt(model, tilting(model, Y)).angle == pytest.approx(falls, abs=1e-3)
 
 
+@pytest.mark.long
 def test_a_block_that_is_glued_on_hangs_upside_down() -> None:
     model = structure([GROUND, BLOCK], FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9))
     assert limit_tilt(model, tilting(model, Y)).angle == 180.0

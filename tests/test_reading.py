@@ -155,6 +155,7 @@ def test_changes_are_made_section_by_section(tmp_path: Path) -> None:
     assert read_study(config).dem.numerics.damping == 0.3
 
 
+@pytest.mark.long
 def test_commands_end_with_the_line_and_no_traceback(tmp_path: Path) -> None:
     path = written(tmp_path, f"{STUDY}geometry: {{a: true}}")
     found = python("-m", "workflow", "study", path)

@@ -201,6 +201,7 @@ def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
     assert rows[-1]["note"] == "strong enough"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "shear", "by"),
     [
@@ -230,6 +231,7 @@ def test_capacity_answers_as_joint(options: list[str], shear: str, by: str, tmp_
     assert noted == pytest.approx(1 / factor, rel=5e-3)
 
 
+@pytest.mark.long
 def test_the_note_has_the_numbers_of_the_library(tmp_path: Path) -> None:
     options = ["-m", "law", "--scatter", "0.2", "--gamma-m", "1.5"]
     note = note_in(tmp_path / "note.html", "capacity", *GIVEN, *options)

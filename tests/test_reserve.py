@@ -280,6 +280,7 @@ def test_blocks_whose_bonds_fail_under_their_weight_may_stand_with_dry_joints(pa
 SOFT = {"normal_stiffness": 2e7, "shear_stiffness": 2e7}
 
 
+@pytest.mark.long
 def test_a_tower_on_soft_ground_falls_at_what_its_weight_leaves(path: Path) -> None:
     """Of rigid blocks at 0.1 g along a side; where the ground gives way least along a diagonal.
 

@@ -250,6 +250,7 @@ PRESSED = sawn(
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("joint", "eccentricity", "push", "first"),
     [
@@ -267,6 +268,7 @@ def test_friction_has_history(joint: Joint, eccentricity: float, push: Push, fir
     assert safe(joint, direction, push).load < peak(joint, direction, push)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("locks", "young", "dry", "carried"),
     [  # peaks (N) of the static model on Lobatto nodes at 0.02 m
@@ -304,11 +306,13 @@ def test_many_locks_in_one_piece_under_torsion_have_a_safe_load() -> None:
     assert 0.0 < safe(joint, torsion).load < law(joint, torsion).load
 
 
+@pytest.mark.long
 def test_two_locks_are_answered_alike_on_both_sides() -> None:
     far = law(sawn(2), Direction(5.0), Push.PLUS_Y), law(sawn(2), Direction(-5.0), Push.PLUS_Y)
     assert far[0].load == pytest.approx(far[1].load, rel=0.2)
 
 
+@pytest.mark.long
 def test_rough_columns_with_stiff_dry_faces_are_safe_on_meshes_that_differ() -> None:
     """First failures of 337, 343, 305 and 312 N on 2, 4, 6 and 8 cells a lock."""
     joint = sawn(

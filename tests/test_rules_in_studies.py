@@ -204,6 +204,7 @@ def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
     assert cases["cases/static/n3-mesh0.02-e0a"].subject.joint.inner.fracture_energy == 0.0
 
 
+@pytest.mark.long
 def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> None:
     study = elastic_study()
     _, table = tables_of(study, lambda case: 100.0 if case.variant == "soft" else 200.0)
@@ -218,6 +219,7 @@ def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> No
     assert (rows["lower_weight_sum"] == 0.5).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("option", ["option1", "option2", "option3", "option4"])
 def test_the_option_that_a_variant_follows_is_its_best(option: str) -> None:
     study = elastic_study()

@@ -48,6 +48,7 @@ def test_a_wall_that_turns_over_as_calculated_by_hand() -> None:
     assert found.ground == pytest.approx(2.0 * start / 1.2, rel=1e-6)
 
 
+@pytest.mark.long
 def test_blocks_that_stay_do_not_count() -> None:
     squat = {"low": [5, 5, 0], "high": [8, 8, 1]}
     alone, both = checked(), checked(squat=squat)
@@ -128,6 +129,7 @@ def test_faults_are_one_line(tmp_path: Path, change: Any, words: str) -> None:
     assert words in told.output
 
 
+@pytest.mark.long
 def test_the_showpiece_arch_bears_a_strong_earthquake() -> None:
     description = yaml.safe_load((ROOT / "studies/time/arch.yaml").read_text())
     description["load"] = {"acceleration": [1, 0, 0]}

@@ -152,6 +152,7 @@ def test_make_installs_nothing_for_a_study_that_is_not_there() -> None:
     assert (early.returncode, early.stderr) == (1, "my.yaml: not a file\n")
 
 
+@pytest.mark.long
 def test_a_fault_that_only_the_cases_show_names_the_file(tmp_path: Path) -> None:
     path = tmp_path / "study.yaml"
     path.write_text(SMALL + "overrides: {n3-mesh0.02-torsion: {ramp_periods: 50}}\n")
@@ -227,6 +228,7 @@ def test_a_python_that_is_not_there_is_named() -> None:
 FULL = Path("/dev/full")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("form", ["table", "csv"])
 def test_output_that_finds_no_room_ends_with_one_line(form: str) -> None:
     words = (sys.executable, "-c", PROGRAM, "law", "-n", "3", "--format", form)

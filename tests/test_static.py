@@ -170,6 +170,7 @@ def test_every_equilibrium_balances_loads_within_strengths(locks: int, e_over_a:
         assert np.abs(unbalanced).max() <= 1e-9 * np.abs(loads.at(point.load)).max()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("failure", Failure)
 def test_the_first_failure_alone_is_that_of_the_path_to_the_peak(failure: Failure) -> None:
     model, loads = loaded(sawn(5, failure=failure), 2.0)
@@ -212,6 +213,7 @@ def test_a_smaller_increment_follows_the_history_of_friction_more_closely() -> N
         static_first_failure(*problem, increment=0.0)
 
 
+@pytest.mark.long
 @settings(max_examples=15)
 @given(st.floats(-6, 6), st.floats(-6, 6), st.sampled_from([0.0, 0.35, math.inf]))
 def test_peaks_scale_with_stress_and_area(size: float, strength: float, e_over_a: float) -> None:

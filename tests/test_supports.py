@@ -213,6 +213,7 @@ def beam(
 BEAM = beam((-0.1, 0.1), (1.9, 2.1), 2.1, [0, 0, -1])
 
 
+@pytest.mark.long
 def test_the_command_prints_reactions_of_a_support_that_moves(tmp_path: Path) -> None:
     curve, picture = tmp_path / "curve.csv", tmp_path / "curve.png"
     options = "--capacity-curve", str(curve), "--picture", str(picture)
@@ -246,6 +247,7 @@ def test_a_beam_falls_when_its_support_moved_by_the_overlap(
     assert path.movement[-1] == pytest.approx(overlap, rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("about", [0.5, 0.49, 0.3])  # below its centre: no reaction at first
 def test_a_block_on_a_support_that_turns_falls_when_its_weight_leaves_its_foot(
     about: float,
@@ -274,6 +276,7 @@ def test_where_several_joints_slide_the_least_movement_is_told() -> None:
     assert "only right-beam slides" in told["kinematics, least"].note
 
 
+@pytest.mark.long
 def test_a_settling_support_lets_a_beam_slide_off_the_pier() -> None:
     """By hand, step by step: from 0.161 m on the beam slides over the pier, at 0.628 m off it.
 

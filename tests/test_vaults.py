@@ -64,6 +64,7 @@ def test_each_block_is_a_truncated_tetrahedron_that_touches_four_others() -> Non
     assert {ends[k] for k, each in enumerate(assembly.pieces) if each.name in blocks} == {4}
 
 
+@pytest.mark.long
 def test_the_vault_carries_more_the_rougher_its_joints_and_opens_as_it_slides() -> None:
     problem = read_flat_vault(3)
     weight = free_weight(problem.assembly)
@@ -75,6 +76,7 @@ def test_the_vault_carries_more_the_rougher_its_joints_and_opens_as_it_slides() 
     assert limit_load(*rough, friction=True).load > 2 * limit
 
 
+@pytest.mark.long
 def test_the_barrel_has_110_free_blocks_and_its_task_a_site_in_every_interface() -> None:
     blocks = read_compas(FILE, 1.0)
     assert sum(not block.fixed for block in blocks) == 110

@@ -162,6 +162,7 @@ def test_what_takes_long_tells_what_it_does(path: Path, monkeypatch: pytest.Monk
     )
 
 
+@pytest.mark.long
 def test_each_load_case_has_a_line_and_the_lowest_factor_governs(path: Path) -> None:
     heavy = {"surcharge": {"pascals": WEIGHT}}
     cases = {
