@@ -245,7 +245,8 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     weak, meshes = weakened(joint, margin), _meshes(joint)
     rough, without = _on_meshes(weak, loading, meshes), []
     stronger = _with_stronger_bonds(joint, loading)
-    if _by_bonds([*rough, stronger or rough[0]]):
+    modes = {each.mode for each in (*rough, stronger) if each}
+    if modes == {Mode.BONDS}:
         return WeakFailure(tuple(each.load for each in rough), Mode.BONDS)
     smooth = replace(weak, dry=replace(weak.dry, friction=0.0))
     with suppress(CapacityError):
@@ -256,14 +257,15 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
             "safe: without friction the joint would carry next to nothing in this direction, and "
             "with it how far it turns under the plate depends on the mesh; use the static model"
         )
-    apart = {each.mode for each in [*rough, stronger or rough[0]]}.isdisjoint(MOVED)
+    apart = modes.isdisjoint(MOVED)
     if joint.elastic is None and (alone or apart):
         meshes = MESHES
         rough = _on_meshes(weak, loading, meshes)
         loads = [each.load for each in rough]
-        apart = apart and _settles(loads)
-        if alone and not _settles(loads):
-            raise CapacityError(_unsettled(loads))
+        if not _settles(loads):
+            apart = False
+            if alone:
+                raise CapacityError(_unsettled(loads))
     mode = min(rough, key=lambda each: each.load).mode
 
     def way(failures: Sequence[JointFailure], divisor: float = 1.0) -> WeakFailure:
@@ -276,7 +278,7 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
     if used and used > NOTHING:
         with suppress(CapacityError):
             failing = _on_meshes(weakened(weak, JUST_BEFORE / used), loading, meshes)
-            if _by_bonds(failing):
+            if all(each.mode is Mode.BONDS for each in failing):
                 # Only as far as the meshes agree on when the joint moves.
                 capped = tuple(min(each.load, way(rough).load) for each in failing)
                 return max(least, WeakFailure(capped, mode), key=lambda way: way.load)
@@ -285,10 +287,6 @@ def weak_failure(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -
 
 def _on_meshes(joint: Joint, loading: Loading, meshes: Sequence[int]) -> list[JointFailure]:
     return [first_failure(joint, loading, cells, SHUT) for cells in meshes]
-
-
-def _by_bonds(failures: Sequence[JointFailure]) -> bool:
-    return all(each.mode is Mode.BONDS for each in failures)
 
 
 def _with_stronger_bonds(joint: Joint, loading: Loading) -> JointFailure | None:
