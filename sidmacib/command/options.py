@@ -256,8 +256,8 @@ def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
             OUTPUT,
             "--file",
             type=click.Path(path_type=Path),
-            help="YAML file of locks, a, b, h, H and other flags, such as upper_body, or - (standard "
-            "input). Flags override it.",
+            help="YAML file of locks, a, b, h, H and other flags, such as upper_body, or - for "
+            "standard input. Flags override it.",
         ),
     )
     for option in reversed(options):
