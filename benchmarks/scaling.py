@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -84,27 +85,32 @@ def study_row(cases: int, folder: Path) -> dict[str, float]:
 
 # --- structures of many blocks -------------------------------------------------------------------
 def wall(count: int) -> list[Block]:
-    """A wall of at least ``count`` bricks in running bond on a base, half as high as it is long."""
+    """A wall of at least ``count`` bricks in running bond on a base, four times as long as high.
+
+    Of 10,000 bricks, one twice as high would buckle under its own weight.
+    """
     length, depth, height = BRICK
-    courses = max(1, round(math.sqrt(count * length / (2 * height))))
+    courses = max(1, round(math.sqrt(count * length / (4 * height))))
     bricks = math.ceil(count / courses)
     ends = (-length, 0.0, -height), ((bricks + 1) * length, depth, 0.0)
     blocks = [box("base", *ends, DENSITY, fixed=True)]
     for course in range(courses):
-        shift, low = (course % 2) * length / 2, course * height
-        for number in range(bricks):
-            x = shift + number * length
-            ends = (x, 0.0, low), (x + length, depth, low + height)
+        low = course * height
+        joints = [*(number * length for number in range(bricks + 1))]
+        if course % 2:  # between half bricks
+            joints = [0.0, *(x + length / 2 for x in joints[:-1]), joints[-1]]
+        for number, (x, end) in enumerate(pairwise(joints)):
+            ends = (x, 0.0, low), (end, depth, low + height)
             blocks.append(box(f"brick{course}-{number}", *ends, DENSITY))
     return blocks
 
 
-def wall_times(count: int, *, limit: bool = True) -> dict[str, Any]:
+def wall_times(count: int) -> dict[str, Any]:
     """Times (CPU-s) of a wall of at least ``count`` bricks, with nodes at vertices.
 
     Interfaces are found; the static model raises an acceleration of the bonded wall until the first
-    bond fails, and limit analysis, if asked, one of the dry wall to its limit. ``memory_MB``: the
-    largest of this process so far.
+    bond fails, and limit analysis one of the dry wall to its limit. ``memory_MB``: the largest of
+    this process so far.
     """
     blocks = wall(count)
     start = time.process_time()
@@ -112,15 +118,13 @@ def wall_times(count: int, *, limit: bool = True) -> dict[str, Any]:
     finding = time.process_time() - start
     loads = acceleration(bonded, (1.0, 0.0, 0.0))
     static = seconds(lambda: static_first_failure(bonded, loads))
-    spent = None
-    if limit:
-        dry = structure(blocks, DRY)
-        push = acceleration(dry, (1.0, 0.0, 0.0))
-        spent = seconds(lambda: limit_load(dry, push, friction=True))
+    dry = structure(blocks, DRY)
+    push = acceleration(dry, (1.0, 0.0, 0.0))
+    limit = seconds(lambda: limit_load(dry, push, friction=True))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return {
         **{"blocks": len(blocks) - 1, "interfaces": len(bonded.faces), "finding_s": finding},
-        **{"limit_s": spent, "static_s": static, "memory_MB": memory},
+        **{"limit_s": limit, "static_s": static, "memory_MB": memory},
     }
 
 
@@ -141,12 +145,12 @@ def study_rows(most: int) -> Iterator[dict[str, Any]]:
             yield study_row(cases, Path(name))
 
 
-def wall_rows(most: int, limited: int) -> Iterator[dict[str, Any]]:
-    """A row for each wall of at most so many blocks; ``limited``: of the largest with a limit."""
+def wall_rows(most: int) -> Iterator[dict[str, Any]]:
+    """A row for each wall of at most so many blocks."""
     wall_times(10)  # compiles
     for count in WALL_SIZES:
         if count <= most:
-            yield wall_times(count, limit=count <= limited)
+            yield wall_times(count)
 
 
 def main() -> None:
@@ -155,22 +159,18 @@ def main() -> None:
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--cases", type=int, default=100_000)
     size.add_argument("--blocks", type=int, help="of the largest wall, in place of cases")
-    parser.add_argument(
-        "--limit-blocks", type=int, default=3000, help="of the largest wall for limit analysis"
-    )
     parser.add_argument("--results", type=Path, default=ROOT / "results")
     arguments = parser.parse_args()
     name, digits, found = "scaling", 6, study_rows(arguments.cases)
     if arguments.blocks is not None:
-        name, digits, found = "walls", 4, wall_rows(arguments.blocks, arguments.limit_blocks)
+        name, digits, found = "walls", 4, wall_rows(arguments.blocks)
     path = arguments.results / f"tables/{name}.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     rows = []
     for each in found:
         rows.append(each)
         pd.DataFrame(rows).to_csv(path, index=False, float_format=f"%.{digits}g")
-        shown = {key: "-" if value is None else f"{value:.4g}" for key, value in each.items()}
-        print(", ".join(f"{key} {value}" for key, value in shown.items()), flush=True)
+        print(", ".join(f"{key} {value:.4g}" for key, value in each.items()), flush=True)
     print(f"Table: {path}")
 
 

@@ -15,7 +15,6 @@ from structures import CUBE, DEMANDED, DOWN, PUSH, WEIGHT, solved
 
 from analysis.summary.structures import verdict_lines
 from analysis.tables.structures import verdicts_table
-from sidmacib.answers import ask
 from sidmacib.answers.answer import LIMIT, STATIC, Answer
 from sidmacib.answers.said import of_static
 from sidmacib.answers.structure import static_answer
@@ -155,11 +154,6 @@ def test_what_takes_long_tells_what_it_does(path: Path, monkeypatch: pytest.Monk
         assert words in loaded
     for words in ("stands in limit analysis", "falls at ", "geometrical safety factor ..."):
         assert words in still
-    monkeypatch.setattr(ask, "MANY", 0.5)  # as if one face were twice as many
-    assert (
-        "1 contact faces: limit analysis, at least 8 minutes ..."
-        in run("assembly", str(path)).stderr
-    )
 
 
 @pytest.mark.long

@@ -20,8 +20,6 @@ from sidmacib.structure.files.structure_file import Demand, demands_of, descript
 from sidmacib.structure.loads import SupportMotion, free_weight, naming_permanent
 from sidmacib.structure.partial_factors import NO_FACTORS, PartialFactors
 
-MANY = 9000  # contact faces: limit analysis takes some two minutes, and of n times as many n^2
-
 Tell = Callable[[str], object]
 
 
@@ -29,8 +27,7 @@ def limit_of(problem: Problem, tell: Tell = str) -> Limit:
     """What limit analysis with friction finds, or why it has no answer."""
     assembly = problem.assembly
     free, faces = sum(not piece.fixed for piece in assembly.pieces), len(assembly.faces)
-    long = f", at least {2.0 * (faces / MANY) ** 2:.0f} minutes" if faces > MANY else ""
-    tell(f"{free:,} free blocks, {faces:,} contact faces: limit analysis{long} ...")
+    tell(f"{free:,} free blocks, {faces:,} contact faces: limit analysis ...")
     try:
         found = limit_or_tilt(problem)
     except CapacityError as error:

@@ -16,6 +16,7 @@ from sidmacib.mechanics.equilibrium import (
     row_units,
     sparse_rows,
 )
+from sidmacib.mechanics.in_plane import Reduced
 from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.twist import Twist
@@ -51,12 +52,13 @@ def admissible(
     loads: Loads,
     cone: Cone,
     load: cp.Variable,
-    s: cp.Variable,
+    reduced: Reduced,
+    forces: cp.Variable,
     limited: Collection[int],
     twist: Twist | None = None,
     driven: Floats | None = None,
 ) -> list[cp.Constraint]:
-    r"""The constraints of limit analysis on the ``load`` and the node forces ``s``, in `Scales`.
+    r"""The constraints of limit analysis on the ``load`` and the ``forces`` at nodes, in `Scales`.
 
     .. math::
 
@@ -76,25 +78,26 @@ def admissible(
     of pressed parts of ``limited`` faces by `sidmacib.mechanics.crushing`.
     """
     law, units = ContactLaw.of(assembly), Scales.of(assembly, loads)
-    locks, others = np.flatnonzero(law.locked), np.flatnonzero(~law.locked)
+    locks, others = np.flatnonzero(law.locked), np.flatnonzero(~law.locked[reduced.nodes])
     every = equilibrium_matrix(assembly)
-    C = _scaled(every[free_rows(assembly)], units)
-    p, q = scaled_loads(assembly, loads, units)
+    C = reduced.equations(_scaled(every[free_rows(assembly)], units))
+    p, q = map(reduced.left_of, scaled_loads(assembly, loads, units))
     scaled = Cone(cone.held / units.node, cone.slope, cone.torn / units.node)
+    s = reduced.at_nodes(forces)
     s_n, s_t = s[:, 0], s[:, 1:]
     constraints = [
         # ``s`` acts on the pieces above, C is for those below: hence no minus.
-        C @ cp.vec(s, order="C") == p + load * q,
-        *within(scaled, s_n, s_t, others),
+        C @ cp.vec(forces, order="C") == p + load * q,
+        *within(scaled.at(reduced.nodes), forces[:, 0], forces[:, 1:], others),
     ]
     if driven is not None:
         of_nodes = (driven.ravel() @ every) * np.repeat(units.node, 3) / units.load
         constraints.append(of_nodes @ cp.vec(s, order="C") == load)
     if twist is not None and twist.motions:
         rough = np.flatnonzero(~law.cohesive & ~law.locked & (cone.slope > 0.0))
-        forces, limits = twist.rows(assembly, rough, units.node)
+        works, limits = twist.rows(assembly, rough, units.node)
         most = _most_shear(scaled, s_n, rough)
-        constraints.append(forces @ cp.vec(s_t[rough], order="C") <= limits @ most)
+        constraints.append(works @ cp.vec(s_t[rough], order="C") <= limits @ most)
     if len(locks):
         along, across = scaled.slope[locks], scaled.held[locks]
         constraints += [
@@ -123,8 +126,13 @@ def within(
     smooth = nodes[(held <= 0.0) & (slope <= 0.0)]
     # A cone through the origin keeps s_n above 0 by itself.
     pulled = nodes[(held > 0.0) | (slope <= 0.0) | (cone.torn[nodes] > 0.0)]
+    most = _most_shear(cone, s_n, rubs)
+    if s_t.shape[1] == 1:  # in a plane
+        rubbing = [s_t[rubs, 0] <= most, -s_t[rubs, 0] <= most]
+    else:
+        rubbing = [cp.norm(s_t[rubs], 2, axis=1) <= most]
     return [
-        cp.norm(s_t[rubs], 2, axis=1) <= _most_shear(cone, s_n, rubs),
+        *rubbing,
         s_t[smooth] == 0,
         s_n[pulled] >= -cone.torn[pulled],
     ]
@@ -181,9 +189,9 @@ def _of_rules(
                 yield unit / limits.compression @ s_n[nodes] >= 1.0
 
 
-def square_sum(s: cp.Variable, units: Scales) -> cp.Expression:
+def square_sum(forces: cp.Variable, reduced: Reduced) -> cp.Expression:
     """The sum of s^2 / A, in the norm of the areas: of the same state however fine the mesh."""
-    return cp.sum_squares(cp.multiply(LARGEST * np.sqrt(units.share)[:, None], s))
+    return cp.sum_squares(cp.multiply(LARGEST * np.sqrt(reduced.shares)[:, None], forces))
 
 
 def scaled_loads(assembly: Assembly, loads: Loads, units: Scales) -> tuple[Floats, Floats]:

@@ -31,6 +31,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces, crushing_use
 from sidmacib.mechanics.equilibrium import motion_of
+from sidmacib.mechanics.in_plane import Reduced
 from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.polygons import CondensedLocks
@@ -186,24 +187,34 @@ def solved(
     """
     _require_room(assembly)
     units = Scales.of(assembly, loads)
+    whole = driven is not None
+    reduced = Reduced.whole(assembly) if whole else Reduced.of(assembly, loads, cone)
 
     def programme() -> LimitState:
-        load, s = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
+        load, s = cp.Variable(), reduced.unknowns()
         constraints = admissible(
-            assembly, loads, cone, load, s, limited, twist=twist, driven=driven
+            assembly, loads, cone, load, reduced, s, limited, twist=twist, driven=driven
         )
         if most is not None:
             constraints.append(load <= most / units.load)
-        size = square_sum(s, units)
+        size = square_sum(s, reduced)
         small = 0.0 if twist is None and s.shape[0] < MANY else ONLY
         accuracies = tuple(ACCURACIES)[small > 0.0 :]
-        met = solve(cp.Problem(cp.Maximize(load - small * size), constraints), WHAT, *accuracies)
+        try:
+            first = cp.Problem(cp.Maximize(load - small * size), constraints)
+            met = solve(first, WHAT, *accuracies)
+        except SolverError:  # on the verge of standing, where corners of a linear programme tell
+            linear = cp.Problem(cp.Maximize(load), constraints)
+            if small or not linear.is_lp():
+                raise
+            met = solve(linear, WHAT, *accuracies)
         largest = float(load.value)
         of_load = ACCURACIES[met]
         carried = most is not None and most - largest * units.load <= met * units.load
         mechanism = np.zeros((len(assembly.pieces), 6))
         if not carried and driven is None:
-            mechanism = _mechanism(assembly, loads, units, constraints[0].dual_value)
+            multipliers = reduced.multipliers(constraints[0].dual_value)
+            mechanism = _mechanism(assembly, loads, units, multipliers)
         penalties = iter(SMALL)
         while not small or largest - float(load.value) > max(LOST, met) * max(abs(largest), 1.0):
             small = next(penalties, 0.0)
@@ -213,11 +224,11 @@ def solved(
                 )
             objective = cp.Maximize(load - small * size)
             met = max(met, solve(cp.Problem(objective, constraints), WHAT, *accuracies))
-        digits = ACCURACIES[met]
+        digits, forces = ACCURACIES[met], reduced.at_nodes(s).value
         return LimitState(
             _rounded(largest * units.load, units.load, of_load),
             # Rounded to remove noise; plus 0 turns -0 into 0.
-            units.node[:, None] / LARGEST * (np.round(LARGEST * s.value, digits) + 0.0),
+            units.node[:, None] / LARGEST * (np.round(LARGEST * forces, digits) + 0.0),
             mechanism,
         )
 

@@ -120,6 +120,10 @@ class Cone:
     slope: Floats
     torn: Floats
 
+    def at(self, nodes: NDArray[np.int64]) -> "Cone":
+        """The limits at some ``nodes``."""
+        return Cone(self.held[nodes], self.slope[nodes], self.torn[nodes])
+
     def shear(self, normal: Floats) -> Floats:
         """The largest shear (N) under ``normal`` forces (N), both (N,)."""
         return np.asarray(self.held + self.slope * normal)
