@@ -16,6 +16,7 @@ import sidmacib
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
+from sidmacib.answers import structure
 from sidmacib.answers.structure import static_answer
 from sidmacib.answers.structure_paths import followed, without_other_meshes
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
@@ -191,3 +192,12 @@ def test_a_notebook_shows_the_verdict_or_both_loads() -> None:
     (alone,) = sidmacib.ask(ROOT / "studies/structures/trilith.yaml").values()
     told = (f"{each.model}: {each.value:.0f} N" for each in (alone.of_limit, alone.of_static))
     assert repr(alone) == f"<{'; '.join(told)}>"
+
+
+def test_more_blocks_than_a_path_can_follow_are_told_so_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(structure, "MOST_BLOCKS", 0)
+    found = by_model(tmp_path / "trilith.yaml", study("structures/trilith"))
+    assert found["limit"]["load_N"] > 0
+    assert found["static"]["note"] == "3 free blocks; the path of at most 0 is followed"

@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from joints import sawn
 
 from analysis.tables.collect import errors_of
-from sidmacib import Elastic, FaceMaterial, NodeLayout, static_peak
-from sidmacib.joint import INNER, Direction, Joint, UpperBody
+from sidmacib import Elastic, FaceMaterial, NodeLayout, lowest_peak, static_peak
+from sidmacib.answers.joint import joint_answer, joint_mesh_error
+from sidmacib.joint import INNER, Direction, HoldDown, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
+from sidmacib.mechanics.solution import Mode
 from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
 from sidmacib.problem import MeshErrors
 from workflow.case import Case, JointSubject
@@ -155,3 +157,15 @@ def test_mesh_errors_of_random_joints_are_upper_estimates(nodes: NodeLayout) -> 
         missed["first failure"] += abs(fine[0] / exact_first - 1.0) > first[cells[1]]
         missed["peak"] += abs(fine[1] / exact_peak - 1.0) > peak[cells[1]]
     assert max(missed.values()) <= 0.05 * len(random_joints()), missed
+
+
+def test_two_meshes_that_agree_by_chance_do_not_hide_where_a_joint_moves_away() -> None:
+    """Stone whose friction moves on finer meshes as it does not on two coarse ones."""
+    inner, dry = FaceMaterial(9e11, 4.5e11, 0.6, 2.2e6, 2.2e6), FaceMaterial(9e10, 9e10, 0.6, 0, 0)
+    stone = {"density": 2500.0, "hold_down": HoldDown.force(5000.0), "inner": inner, "dry": dry}
+    joint, loading = Joint(2, 0.155, 0.214, 0.0504, 0.115, **stone), Loading(Direction(2.0))
+    found, error = joint_answer(joint, loading), joint_mesh_error(joint, loading)
+    assert found.solution.mode is Mode.MECHANISM
+    finest = lowest_peak(*posed(joint, loading, joint.least_side / 12.01)).peak.load
+    assert error is not None
+    assert 0.02 < abs(finest / found.load - 1.0) <= error < 0.2

@@ -42,6 +42,7 @@ from sidmacib.structure.structure import refined, with_dry_joints
 
 BEYOND = 1.001  # over the limit load: where a path ends that has no other end
 NOT_CRUSHED = "no interface is crushed"
+MOST_BLOCKS = 3000  # that can move: the path of more takes many hours
 PRECISION = 1e-6  # of where crushing begins between two equilibria
 Limit = LimitState | LimitTilt | CapacityError
 
@@ -50,8 +51,12 @@ def static_answer(problem: Problem, limit: Limit | None = None) -> StaticAnswer:
     """The answer of the static model for a structure, as a `Problem` on the cells of its file.
 
     ``limit``: of limit analysis, if it is known, which bounds blocks that are dry or are crushed.
-    `CapacityError` if it has none; `NoEquilibriumError` if the structure does not stand.
+    `CapacityError` if it has none, or too many blocks; `NoEquilibriumError` if the structure does
+    not stand.
     """
+    if (free := sum(not piece.fixed for piece in problem.assembly.pieces)) > MOST_BLOCKS:
+        most = f"the path of at most {MOST_BLOCKS:,} is followed"
+        raise CapacityError(f"{free:,} free blocks; {most}")
     with naming_permanent(problem.loads):
         answer = _of_model(problem, limit)
         if answer.counts.peak:
