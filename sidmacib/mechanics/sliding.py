@@ -20,6 +20,7 @@ import numpy as np
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Cone, ContactLaw, Flags
+from sidmacib.mechanics.in_plane import Reduced
 from sidmacib.mechanics.limit import CALM, FALLS, LimitState, limit_load, solved
 from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.twist import Twist
@@ -33,7 +34,7 @@ SLIDING_SETTLED = 3e-4  # change of the load over itself in one round
 LAST = 10  # rounds in a row whose loads differ by no more than
 ALIKE = 3e-3  # over the lowest, which then counts, have settled too
 OFF_CONE = 0.02  # largest shear beyond friction at the end, over the largest normal force
-MOST_NODES = 6000  # of an assembly: the rounds of a larger one take many minutes
+MOST_NODES = 6000  # or places in a plane: the rounds of a larger assembly take many minutes
 WITHOUT_DILATION = "limit analysis without dilation"
 
 
@@ -56,7 +57,8 @@ def sliding_limit(
     stand under its permanent loads; `sidmacib.errors.SolverError` where the rounds do not settle;
     `sidmacib.errors.CapacityError` for too large an assembly, at once.
     """
-    if (nodes := len(assembly.nodes.area)) > MOST_NODES:
+    reduced = Reduced.of(assembly, loads, ContactLaw.of(assembly).cone())
+    if (nodes := len(reduced.nodes)) > MOST_NODES:
         raise CapacityError(
             f"{WITHOUT_DILATION}: {nodes:,} nodes; at most {MOST_NODES:,} are allowed"
         )
