@@ -19,9 +19,7 @@ from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.equilibrium import face_axes
 from sidmacib.mechanics.loads import Loads
 
-OFF = (
-    1e-9  # of the assembly's length: as far may lie from the plane, or from a place, what is there
-)
+OFF = 1e-9  # of the assembly's length, or of the loads: what may be out of a plane, or of a place
 ALIKE = 1e-9  # of the limits at a place, over the areas of its nodes
 OBLIQUE = 1e-3  # least sine of the angle between directions that make a plane
 
@@ -105,7 +103,7 @@ def _plane(assembly: Assembly, loads: Loads) -> Floats | None:
     ways = np.vstack([face_axes(assembly)[:, 0], forces[acting] / size[acting, None]])
     across = np.cross(ways[0], ways)
     sines = np.linalg.norm(across, axis=1)
-    if sines.max() < OBLIQUE:
+    if sines.max() < OBLIQUE or not acting.any():
         return None
     normal = across[sines.argmax()] / sines.max()
     in_it = moments - (moments @ normal)[:, None] * normal
