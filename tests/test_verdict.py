@@ -137,6 +137,16 @@ def test_what_is_assumed_of_a_mesh_is_said(options: tuple[str, ...], note: str) 
     assert found.stderr == note
 
 
+@pytest.mark.parametrize("options", ["--unit mmm", "--fixed nope", "--friction x", "--tolerance 5"])
+def test_a_fault_of_an_option_is_told_by_its_flag(options: str) -> None:
+    mesh = ROOT / "tests/cases/geometry/yup.obj"
+    flag, value = options.split()
+    words = f"Error: {flag}: '{value}' is not "
+    found = run("assembly", str(mesh), flag, value)
+    assert found.exit_code == 2
+    assert words in found.stderr
+
+
 def test_what_takes_long_tells_what_it_does(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not assembly(path, {**CUBE, "load": PUSH}).stderr
     monkeypatch.setattr(output, "PATIENCE", 0.0)

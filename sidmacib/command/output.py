@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 FORMATS = ("table", "json", "csv")
 PATIENCE = 5.0  # s
 SENTENCES = ("note", "notes", "answer")
+SET_BY_OPTIONS = "blocks", "interfaces", "tolerance"  # sections of a structure's file
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
 # Of models, as in the figures of studies.
 COLOURS = {name: model.colour for name, model in MODELS.items()}
@@ -180,7 +181,17 @@ def refused_in_one_line() -> Iterator[None]:
         yield
     except ERRORS as error:
         kind = click.ClickException if isinstance(error, CapacityError) else Fault
-        raise kind(reason(error)) from None
+        raise kind(_by_flag(reason(error))) from None
+
+
+def _by_flag(words: str) -> str:
+    """``words`` on a key of a structure's file, by the flag of the option that set it, if any."""
+    context, (key, _, fault) = click.get_current_context(silent=True), words.partition(": ")
+    section, name = key.partition(".")[0], key.rpartition(".")[2]
+    if context and section in SET_BY_OPTIONS and context.params.get(name):
+        flags = {each.name: each.opts[0] for each in context.command.params}
+        return f"{flags[name]}: {fault}"
+    return words
 
 
 @contextmanager
