@@ -189,8 +189,9 @@ def _by_flag(words: str) -> str:
     context, (key, _, fault) = click.get_current_context(silent=True), words.partition(": ")
     section, name = key.partition(".")[0], key.rpartition(".")[2]
     if context and section in SET_BY_OPTIONS and context.params.get(name):
-        flags = {each.name: each.opts[0] for each in context.command.params}
-        return f"{flags[name]}: {fault}"
+        for each in context.command.params:
+            if each.name == name and isinstance(each, click.Option):
+                return f"{each.opts[0]}: {fault}"
     return words
 
 
