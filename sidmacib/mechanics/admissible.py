@@ -28,12 +28,11 @@ LARGEST = 10.0  # approximate force of a node over its share of the scale, where
 class Scales:
     """Units in which the numbers of the programme are about 1.
 
-    ``load``: N. ``node``: of the force at each node, N, (N,): ten times its ``share`` of that by
-    area on a face of mean area. ``row``: of forces (N) and moments (N m) on the free pieces, (R,).
+    ``load``: N. ``node``: of the force at each node, N, (N,): ten times its share of that by area
+    on a face of mean area. ``row``: of forces (N) and moments (N m) on the free pieces, (R,).
     """
 
     load: float
-    share: Floats
     node: Floats
     row: Floats
 
@@ -44,7 +43,7 @@ class Scales:
         share = assembly.nodes.area / assembly.nodes.area.sum()
         node = LARGEST * loads.scale * share * len(assembly.faces)
         # Forces over the load, and moments over the load times the length, are about 1.
-        return cls(loads.scale, share, node, row_units(assembly) * loads.scale)
+        return cls(loads.scale, node, row_units(assembly) * loads.scale)
 
 
 def admissible(

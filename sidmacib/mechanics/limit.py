@@ -187,8 +187,8 @@ def solved(
     """
     _require_room(assembly)
     units = Scales.of(assembly, loads)
-    whole = driven is not None
-    reduced = Reduced.whole(assembly) if whole else Reduced.of(assembly, loads, cone)
+    planar = driven is None  # a support may move out of the plane
+    reduced = Reduced.of(assembly, loads, cone) if planar else Reduced.whole(assembly)
 
     def programme() -> LimitState:
         load, s = cp.Variable(), reduced.unknowns()

@@ -57,8 +57,8 @@ def sliding_limit(
     stand under its permanent loads; `sidmacib.errors.SolverError` where the rounds do not settle;
     `sidmacib.errors.CapacityError` for too large an assembly, at once.
     """
-    reduced = Reduced.of(assembly, loads, ContactLaw.of(assembly).cone())
-    if (nodes := len(reduced.nodes)) > MOST_NODES:
+    nodes = len(Reduced.of(assembly, loads, ContactLaw.of(assembly).cone()).nodes)
+    if nodes > MOST_NODES:
         raise CapacityError(
             f"{WITHOUT_DILATION}: {nodes:,} nodes; at most {MOST_NODES:,} are allowed"
         )
