@@ -15,11 +15,11 @@ from functools import cached_property
 import cvxpy as cp
 import numpy as np
 import shapely
-from scipy.sparse import csr_array, diags_array, eye_array, kron
+from scipy.sparse import csr_array, eye_array, kron
 
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design import Layout, WeightsSection
-from sidmacib.mechanics.admissible import within
+from sidmacib.mechanics.admissible import Balance, in_units, within
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
@@ -141,7 +141,7 @@ class DesignProblem:
     @cached_property
     def at_nodes(self) -> csr_array:
         """Equilibrium of forces at nodes in units, (R, 3 N)."""
-        return self._scaled(equilibrium_matrix(self.assembly))
+        return self._in_units(self.assembly)
 
     @cached_property
     def at_locks(self) -> csr_array:
@@ -149,7 +149,7 @@ class DesignProblem:
         faces = tuple(self._lock_faces())
         nodes = polygon_nodes(faces, self.assembly.mesh, NodeLayout.VERTICES)
         locked = replace(self.assembly, faces=faces, nodes=nodes)
-        return self._scaled(equilibrium_matrix(locked))[:, 2::3]
+        return self._in_units(locked)[:, 2::3]
 
     @cached_property
     def portions(self) -> csr_array:
@@ -157,8 +157,9 @@ class DesignProblem:
         of_row = np.array(self.option.portions)[:, None]
         return csr_array(kron(eye_array(len(self.rows)), of_row))
 
-    def _scaled(self, matrix: csr_array) -> csr_array:
-        return csr_array(diags_array(self.unit / self.row_scale) @ matrix[self.free])
+    def _in_units(self, assembly: Assembly) -> csr_array:
+        forces = np.full(len(assembly.nodes.area), self.unit)
+        return in_units(equilibrium_matrix(assembly)[self.free], self.row_scale, forces)
 
     def _lock_faces(self) -> Iterator[CondensedLocks]:
         """A face of contact points for each of `rows`."""
@@ -208,14 +209,11 @@ def case_forces(
     locks = cp.Variable(structure.at_locks.shape[1])
     scaled = Cone(cone.held / unit, cone.slope, cone.torn / unit)
     most = structure.portions @ strength
-    permanent, variable = (
-        loads.ravel()[structure.free] / structure.row_scale
-        for loads in (case.loads.permanent, case.load * case.loads.variable)
-    )
+    loads = case.loads.permanent, case.load * case.loads.variable
+    in_rows = (each.ravel()[structure.free] / structure.row_scale for each in loads)
     either = (locks <= most, -locks <= most)
     constraints = [
-        structure.at_nodes @ cp.vec(nodes, order="C") + structure.at_locks @ locks
-        == permanent + factor * variable,
+        Balance(structure.at_nodes, *in_rows).holds(nodes, factor, structure.at_locks @ locks),
         *within(scaled, nodes[:, 0], nodes[:, 1:], np.arange(len(cone.held))),
         *either,
     ]

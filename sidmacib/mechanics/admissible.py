@@ -1,4 +1,7 @@
-"""The programme of limit analysis: forces that an assembly admits, in units of about 1."""
+"""The programme of limit analysis: forces that an assembly admits, in units of about 1.
+
+`Balance` and `within` are the equilibrium and the cones of finite motion and of designs, too.
+"""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -22,6 +25,36 @@ from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.twist import Twist
 
 LARGEST = 10.0  # approximate force of a node over its share of the scale, where forces concentrate
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Equilibrium of what can move, in units, see `in_units`.
+
+    ``matrix``: by the forces, (R, C). ``permanent``, ``variable``: the loads they balance, (R,).
+    """
+
+    matrix: csr_array
+    permanent: Floats
+    variable: Floats
+
+    def holds(
+        self, forces: cp.Variable, load: cp.Expression | float, others: cp.Expression | float = 0.0
+    ) -> cp.Constraint:
+        """The ``forces``, and ``others`` along the rows, balance the loads at a ``load``."""
+        acting = self.matrix @ cp.vec(forces, order="C") + others
+        return acting == self.permanent + load * self.variable
+
+
+def in_units(matrix: csr_array, rows: Floats, forces: Floats) -> csr_array:
+    """The ``matrix`` of equilibrium, (R, C), in units: N or N m of ``rows``, N of ``forces``.
+
+    ``forces``: a unit for each node, contact or lock, which has one column or three.
+    """
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    columns = np.repeat(forces, matrix.shape[1] // len(forces))
+    data = matrix.data / rows[row] * columns[matrix.indices]
+    return csr_array((data, matrix.indices, matrix.indptr), matrix.shape)
 
 
 @dataclass(frozen=True)
@@ -79,14 +112,14 @@ def admissible(
     law, units = ContactLaw.of(assembly), Scales.of(assembly, loads)
     locks, others = np.flatnonzero(law.locked), np.flatnonzero(~law.locked[reduced.nodes])
     every = equilibrium_matrix(assembly)
-    C = reduced.equations(_scaled(every[free_rows(assembly)], units))
-    p, q = map(reduced.left_of, scaled_loads(assembly, loads, units))
+    C = reduced.equations(in_units(every[free_rows(assembly)], units.row, units.node))
+    balance = Balance(C, *map(reduced.left_of, scaled_loads(assembly, loads, units)))
     scaled = Cone(cone.held / units.node, cone.slope, cone.torn / units.node)
     s = reduced.at_nodes(forces)
     s_n, s_t = s[:, 0], s[:, 1:]
     constraints = [
         # ``s`` acts on the pieces above, C is for those below: hence no minus.
-        C @ cp.vec(forces, order="C") == p + load * q,
+        balance.holds(forces, load),
         *within(scaled.at(reduced.nodes), forces[:, 0], forces[:, 1:], others),
     ]
     if driven is not None:
@@ -198,10 +231,3 @@ def scaled_loads(assembly: Assembly, loads: Loads, units: Scales) -> tuple[Float
     rows = free_rows(assembly)
     p, q = (each.ravel()[rows] / units.row for each in (loads.permanent, loads.variable))
     return p, q * units.load
-
-
-def _scaled(matrix: csr_array, units: Scales) -> csr_array:
-    """The ``matrix`` of equilibrium, (R, 3 N), in ``units``."""
-    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    data = matrix.data / units.row[row] * np.repeat(units.node, 3)[matrix.indices]
-    return csr_array((data, matrix.indices, matrix.indptr), matrix.shape)

@@ -30,7 +30,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
-from sidmacib.mechanics.admissible import within
+from sidmacib.mechanics.admissible import Balance, in_units, within
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import Cone
 from sidmacib.mechanics.crushing import crushed_faces
@@ -184,10 +184,9 @@ class Kinematics:
         closing = step * unit / scale  # of the order of what closes in the step, m
         contacts = contacts_of(self.assembly, self.sides, placed).closer(FAR * closing)
         every = contacts.matrix(placed.centre)
-        M = (directions @ every).multiply((scale / units)[:, None]).tocsr()
-        p, q = permanent / units, driving * unit / units
+        M = in_units((directions @ every).tocsr(), units, np.full(len(contacts.gap), scale))
         load, s = cp.Variable(), cp.Variable((len(contacts.gap), 3))
-        balance = M @ cp.vec(s, order="C") + p + load * q == 0.0
+        balance = Balance(M, -permanent / units, -driving * unit / units).holds(s, load)
         objective = cp.Maximize(load - contacts.gap / closing @ s[:, 0])
         solve(cp.Problem(objective, [balance, *_admissible(contacts, s)]), WHAT, *ACCURACIES)
         multipliers = balance.dual_value / units
@@ -205,11 +204,12 @@ class Kinematics:
     def stands_without(self, piece: int, here: Position) -> bool:
         """Whether contacts that are closed at a position, none of a ``piece``, carry all loads."""
         contacts = here.contacts.without(piece).closer(STILL * STEP * self.assembly.length)
-        rows, units = free_rows(self.assembly), self.loads.scale * row_units(self.assembly)
-        M = contacts.matrix(here.placed.centre)[rows].multiply((self.loads.scale / units)[:, None])
+        rows, scale = free_rows(self.assembly), self.loads.scale
+        units, of_forces = scale * row_units(self.assembly), np.full(len(contacts.gap), scale)
         s = cp.Variable((len(contacts.gap), 3))
-        permanent = self._permanent(here.placed).ravel()[rows] / units
-        balance = M.tocsr() @ cp.vec(s, order="C") + permanent == 0.0
+        permanent = -self._permanent(here.placed).ravel()[rows] / units
+        M = in_units(contacts.matrix(here.placed.centre)[rows], units, of_forces)
+        balance = Balance(M, permanent, 0.0 * permanent).holds(s, 0.0)
         try:
             problem = cp.Problem(cp.Minimize(0), [balance, *_admissible(contacts, s)])
             solve(problem, WHAT, *ACCURACIES)
