@@ -222,7 +222,7 @@ def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
             "--units: 'stone' is not a unit; it must be one of m, mm",
         ),
         ("capacity -n 9 -H 4 -m law", "H / b: 80 is not allowed"),
-        ("capacity -n 300 -m limit -a 0.1", "GiB; at most 2 GiB are allowed"),
+        ("capacity -n 300 -e torsion -m limit -a 0.1", "GiB; at most 2 GiB are allowed"),
         ("sensitivity -n 3 --young 1e10", "for rigid pieces only; elastic ones take minutes each"),
         ("capacity -V 1 -e 0 -e 1", "-V, -M: need one direction, -e once"),
         ("capacity -M 1 -e 0.2", "must have a torque or e / a, not both"),

@@ -17,7 +17,7 @@ from sidmacib.mechanics.limit import limit_load, require_standing, solved
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.solution import Mode
-from sidmacib.mechanics.twist import Pressure, linear_pressure, torque_use
+from sidmacib.mechanics.twist import Pressure, Resultants, linear_pressure
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.reserve import geometrical_factor
 from sidmacib.structure.blocks import box
@@ -205,4 +205,4 @@ def test_pressure_goes_where_a_bar_on_two_piers_carries_most(
     fine = refined(problem.assembly, 8)
     static = static_peak(fine, problem.loads).peak.load
     assert 0.98 * static <= found.load <= 1.1 * static
-    assert torque_use(problem.assembly, found.force) <= 1.02
+    assert Resultants.of(problem.assembly, found.force).most_used <= 1.02

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import cvxpy as cp
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array, diags_array, vstack
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
@@ -115,12 +115,12 @@ def admissible(
     C = reduced.equations(in_units(every[free_rows(assembly)], units.row, units.node))
     balance = Balance(C, *map(reduced.left_of, scaled_loads(assembly, loads, units)))
     scaled = Cone(cone.held / units.node, cone.slope, cone.torn / units.node)
-    s = reduced.at_nodes(forces)
+    places, s = reduced.at_places(forces), reduced.at_nodes(forces)
     s_n, s_t = s[:, 0], s[:, 1:]
     constraints = [
         # ``s`` acts on the pieces above, C is for those below: hence no minus.
         balance.holds(forces, load),
-        *within(scaled.at(reduced.nodes), forces[:, 0], forces[:, 1:], others),
+        *within(scaled.at(reduced.nodes), places[:, 0], places[:, 1:], others),
     ]
     if driven is not None:
         of_nodes = (driven.ravel() @ every) * np.repeat(units.node, 3) / units.load
@@ -162,7 +162,8 @@ def within(
     if s_t.shape[1] == 1:  # in a plane
         rubbing = [s_t[rubs, 0] <= most, -s_t[rubs, 0] <= most]
     else:
-        rubbing = [cp.norm(s_t[rubs], 2, axis=1) <= most]
+        # By itself, and not as a norm, for which cvxpy adds an unknown and a row for each node.
+        rubbing = [cp.SOC(most, s_t[rubs], axis=1)] if len(rubs) else []
     return [
         *rubbing,
         s_t[smooth] == 0,
@@ -223,7 +224,8 @@ def _of_rules(
 
 def square_sum(forces: cp.Variable, reduced: Reduced) -> cp.Expression:
     """The sum of s^2 / A, in the norm of the areas: of the same state however fine the mesh."""
-    return cp.sum_squares(cp.multiply(LARGEST * np.sqrt(reduced.shares)[:, None], forces))
+    weights = np.repeat(LARGEST**2 * reduced.shares, forces.size // len(reduced.shares))
+    return cp.quad_form(forces, diags_array(weights, format="csc"), assume_PSD=True)
 
 
 def scaled_loads(assembly: Assembly, loads: Loads, units: Scales) -> tuple[Floats, Floats]:

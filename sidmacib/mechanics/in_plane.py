@@ -68,14 +68,20 @@ class Reduced:
         return cls(nodes, shares, spread, kron(eye_array(len(pieces)), equations, "csr"))
 
     def unknowns(self) -> cp.Variable:
-        """The forces at the places: normal, and along each tangent or along the plane."""
-        return cp.Variable((len(self.nodes), 3 if self.spread is None else 2))
+        """The forces at the places, one after the other.
+
+        Of each that along the normal, and those along both tangents or along the plane.
+        """
+        return cp.Variable((3 if self.spread is None else 2) * len(self.nodes))
+
+    def at_places(self, forces: cp.Variable) -> cp.Expression:
+        """The ``forces`` at each place, (G, 3), or in the plane (G, 2)."""
+        return cp.reshape(forces, (len(self.nodes), -1), order="C")
 
     def at_nodes(self, forces: cp.Variable) -> cp.Expression:
         """The ``forces`` in the frames of all nodes, (N, 3)."""
-        if self.spread is None:
-            return forces
-        return cp.reshape(self.spread @ cp.vec(forces, order="C"), (-1, 3), order="C")
+        every = forces if self.spread is None else self.spread @ forces
+        return cp.reshape(every, (-1, 3), order="C")
 
     def equations(self, balance: csr_array) -> csr_array:
         """What is left of the ``balance``, (6 F, 3 N), of the free pieces under forces at nodes."""

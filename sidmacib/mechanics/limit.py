@@ -35,7 +35,7 @@ from sidmacib.mechanics.in_plane import Reduced
 from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.polygons import CondensedLocks
-from sidmacib.mechanics.twist import EXCESS, Twist, torque_use
+from sidmacib.mechanics.twist import EXCESS, Resultants, Twist
 
 # Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
 # kept. With an even number of locks, rounding loses the last ones; bonds without friction
@@ -150,11 +150,12 @@ def _with_torque(
             continue
         if admitted and found[-1].load <= (1.0 + TORQUE_SETTLED) * admitted.load:
             break
-        use = torque_use(assembly, found[-1].force)
+        where = Resultants.of(assembly, found[-1].force)
+        use = where.most_used
         if use <= 1.0 + EXCESS:
             admitted = found[-1]
         kept = KEPT if len(found) > QUICK_ROUNDS else 0.0
-        twist = twist.after(assembly, found[-1].force, kept)
+        twist = twist.after(where, kept)
     # The first rounds have the pressure elsewhere; where rounds alternate, the lower load counts.
     return admitted or min(found[-CALM:], key=lambda each: each.load)
 
@@ -185,10 +186,10 @@ def solved(
     hundreds of rows, and few faces are pressed as much. ``twist``: limits of torque, which rounds
     have.
     """
-    _require_room(assembly)
     units = Scales.of(assembly, loads)
     planar = driven is None  # a support may move out of the plane
     reduced = Reduced.of(assembly, loads, cone) if planar else Reduced.whole(assembly)
+    _require_room(assembly, len(reduced.nodes))
 
     def programme() -> LimitState:
         load, s = cp.Variable(), reduced.unknowns()
@@ -198,7 +199,7 @@ def solved(
         if most is not None:
             constraints.append(load <= most / units.load)
         size = square_sum(s, reduced)
-        small = 0.0 if twist is None and s.shape[0] < MANY else ONLY
+        small = 0.0 if twist is None and len(reduced.nodes) < MANY else ONLY
         accuracies = tuple(ACCURACIES)[small > 0.0 :]
         try:
             first = cp.Problem(cp.Maximize(load - small * size), constraints)
@@ -279,14 +280,14 @@ def _without_compression(assembly: Assembly) -> Assembly:
     return assembly if unchanged else replace(assembly, faces=tuple(faces))
 
 
-def _require_room(assembly: Assembly) -> None:
-    """`CapacityError` if the programme of ``assembly`` takes too much memory."""
-    pieces, nodes = len(assembly.pieces), len(assembly.nodes.area)
+def _require_room(assembly: Assembly, nodes: int) -> None:
+    """`CapacityError` if the programme of ``assembly`` on so many nodes takes too much memory."""
     size = NODE_MEMORY * nodes
     if size > MOST_MEMORY:
         raise CapacityError(
-            f"{WHAT}: {pieces:,} pieces with {nodes:,} nodes would take {size / 2**30:.1f} GiB; at "
-            f"most {MOST_MEMORY / 2**30:g} GiB are allowed: use fewer locks or a coarser mesh"
+            f"{WHAT}: {len(assembly.pieces):,} pieces with {nodes:,} nodes would take "
+            f"{size / 2**30:.1f} GiB; at most {MOST_MEMORY / 2**30:g} GiB are allowed: use fewer "
+            "locks or a coarser mesh"
         )
 
 

@@ -23,7 +23,7 @@ from sidmacib.mechanics.contact_law import Cone, ContactLaw, Flags
 from sidmacib.mechanics.in_plane import Reduced
 from sidmacib.mechanics.limit import CALM, FALLS, LimitState, limit_load, solved
 from sidmacib.mechanics.loads import Loads
-from sidmacib.mechanics.twist import Twist
+from sidmacib.mechanics.twist import Resultants, Twist
 
 SLOPE = 0.01  # of the limit, over the friction coefficient
 STEP = 0.6  # weight of the last round's normal forces, against those of the round before
@@ -96,7 +96,7 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         turned = before * change < 0.0
         step = max(LEAST_WEIGHT, SHORTER * step) if turned else min(MOST_WEIGHT, step / SHORTER)
         normal = step * state.force[:, 0] + (1.0 - step) * normal
-        twist = twist.after(assembly, state.force, max(0.0, 1.0 - step))
+        twist = twist.after(Resultants.of(assembly, state.force), max(0.0, 1.0 - step))
         calm = calm + 1 if abs(change) <= SLIDING_SETTLED * abs(state.load) else 0
         if calm >= CALM and _off_cone(cone, slides, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)

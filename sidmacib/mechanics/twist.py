@@ -21,7 +21,7 @@ analysis takes the places from the round before.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.sparse as sp
@@ -75,8 +75,7 @@ class Pressure:
     @classmethod
     def of(cls, face: Face, centre: Floats) -> "Pressure":
         """On ``face``, with its resultant at ``centre``, (2,) in m."""
-        places, areas, size = points_of(face)
-        return cls(places, *linear_pressure(places, areas, centre / size), size)
+        return _pressure(_outline(face), *centre.tolist())
 
     def resistance(self, motions: Floats, at: Floats) -> Floats:
         """Work of friction in ``motions``, (K, 3), over mu N, of forces ``at`` places, (M, 2).
@@ -125,16 +124,16 @@ class Twist:
     @classmethod
     def of(cls, assembly: Assembly, force: Floats) -> "Twist":
         """By the forces of a state without such limits, (N, 3) in N."""
-        return cls(np.full((len(assembly.faces), 2), np.nan), {}).after(assembly, force, 0.0)
+        nowhere = np.full((len(assembly.faces), 2), np.nan)
+        return cls(nowhere, {}).after(Resultants.of(assembly, force), 0.0)
 
-    def after(self, assembly: Assembly, force: Floats, kept: float) -> "Twist":
-        """By the forces of a state with these limits; ``kept``: weight of the centres before it."""
-        where = Resultants.of(assembly, force)
+    def after(self, where: "Resultants", kept: float) -> "Twist":
+        """By resultants with these limits; ``kept``: weight of the centres before them."""
         mean = kept * self.centres + (1.0 - kept) * where.centres
         moved = np.where(np.isnan(self.centres), where.centres, mean)
         centres = np.where(np.isnan(where.centres), self.centres, moved)
         motions = dict(self.motions)
-        for number, used, motion in where.uses(assembly, centres):
+        for number, used, motion in where.uses(centres) if kept else where.own_uses:
             if used > 1.0 + EXCESS:
                 motions[number] = np.vstack([motions.get(number, FIRST), motion])
         return Twist(centres, motions)
@@ -170,11 +169,13 @@ class Twist:
 
 @dataclass(frozen=True, eq=False)
 class Resultants:
-    """Resultants of faces: shear (N), (2, F), and torque about the middle (N m), (F,).
+    """Resultants of the faces of an ``assembly``.
 
-    ``limit``: friction coefficient times normal force (N), (F,). ``centres``: as in `Twist`.
+    ``shear`` (N), (2, F), and ``torque`` about the middle (N m), (F,). ``limit``:
+    friction coefficient times normal force (N), (F,). ``centres``: as in `Twist`.
     """
 
+    assembly: Assembly
     limit: Floats
     shear: Floats
     torque: Floats
@@ -194,13 +195,24 @@ class Resultants:
         divisor = np.where(pressed, pressing, np.nan)
         friction = np.array([each.material.friction for each in assembly.faces])
         return cls(
+            assembly,
             friction * np.where(pressed, pressing, 0.0),
             np.array([sums(one), sums(other)]),
             sums(x * other - y * one),
             np.array([sums(x * normal), sums(y * normal)]).T / divisor[:, None],
         )
 
-    def uses(self, assembly: Assembly, centres: Floats) -> Iterator[tuple[int, float, Floats]]:
+    @cached_property
+    def own_uses(self) -> tuple[tuple[int, float, Floats], ...]:
+        """The `uses` by the faces' own pressure."""
+        return tuple(self.uses(self.centres))
+
+    @property
+    def most_used(self) -> float:
+        """The largest part of its limit that a face uses by its own pressure."""
+        return max((used for _, used, _ in self.own_uses), default=0.0)
+
+    def uses(self, centres: Floats) -> Iterator[tuple[int, float, Floats]]:
         """Dry faces that are pressed and twisted about the resultant of their pressure.
 
         Their numbers, the part of its limit that each uses, and the motion, (3,), in which it does,
@@ -208,22 +220,13 @@ class Resultants:
         """
         x, y = self.centres.T
         about = np.abs(self.torque - x * self.shear[1] + y * self.shear[0])
-        for number, face in enumerate(assembly.faces):
+        for number, face in enumerate(self.assembly.faces):
             limit = self.limit[number]
             twisted = limit > 0.0 and about[number] > EXCESS * limit * points_of(face)[2]
             if face.kind is Kind.DRY and twisted:
                 pressure = Pressure.of(face, centres[number])
                 both = [*self.shear[:, number], self.torque[number] / pressure.size]
                 yield number, *pressure.worst(np.array(both) / limit)
-
-
-def torque_use(assembly: Assembly, force: Floats) -> float:
-    """The largest part of its limit of shear and torque that a dry face uses, by its own pressure.
-
-    ``force``: of the nodes, (N, 3) in N.
-    """
-    where = Resultants.of(assembly, force)
-    return max((used for _, used, _ in where.uses(assembly, where.centres)), default=0.0)
 
 
 def linear_pressure(places: Floats, areas: Floats, centre: Floats) -> tuple[Floats, Floats]:
@@ -278,11 +281,23 @@ def points_of(face: Face) -> tuple[Floats, Floats, float]:
 
     Areas over that of the face, (J,). The size in m: the longer side of the face.
     """
+    return _points(_outline(face))
+
+
+def _outline(face: Face) -> shapely.Polygon:
+    """Along the tangents of the ``face`` from its middle, in m."""
     if isinstance(face, Rectangle):
         u, v = face.axes[1:] @ (np.array(face.high) - np.array(face.low))
-        return _points(shapely.box(-u / 2, -v / 2, u / 2, v / 2))
+        return shapely.box(-u / 2, -v / 2, u / 2, v / 2)
     assert isinstance(face, Polygon)
-    return _points(face.outline)
+    return face.outline
+
+
+@lru_cache(maxsize=4096)
+def _pressure(outline: shapely.Polygon, x: float, y: float) -> Pressure:
+    """On a face of an ``outline``, with its resultant there (m)."""
+    places, areas, size = _points(outline)
+    return Pressure(places, *linear_pressure(places, areas, np.array([x, y]) / size), size)
 
 
 @lru_cache(maxsize=4096)
