@@ -358,8 +358,13 @@ def clean(value: float, noise: float) -> float:
 
 def four_digits(value: float) -> str:
     """``value`` in four digits, without an exponent up to `LARGEST`."""
-    whole = 1e4 <= abs(value) < LARGEST
-    return f"{value:.0f}" if whole else f"{value:.4g}"
+    return digits(value, 4)
+
+
+def digits(value: float, count: int) -> str:
+    """``value`` in so many digits, or all before the decimal point up to `LARGEST`."""
+    whole = 10**count - 0.5 <= abs(value) < LARGEST
+    return f"{value:.0f}" if whole else f"{value:.{count}g}"
 
 
 def some_of(names: Sequence[str], most: int) -> str:

@@ -20,6 +20,7 @@ from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_weights
+from sidmacib.quantities import four_digits
 from sidmacib.rule import RULES, LawCapacity, first_failure
 from sidmacib.rule.reliability import resistances
 from sidmacib.rule.spans import require_covered
@@ -120,7 +121,7 @@ def which_counts(state: Settings) -> Counted:
     if not (spread := 100.0 * found.solution.spread):
         legend = f" (no lower peak found at {state.eccentricity:g} a)"
         return Counted(shear, legend, why=found.why)
-    words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
+    words = f"The load that counts is the {found.why}: V = {four_digits(shear)} N."
     legend = f" (spread {spread:.1f} % at {state.eccentricity:g} a)"
     return Counted(shear, legend, words, found.why)
 
@@ -145,11 +146,11 @@ def answers(state: Settings) -> Answers:
     if known and known[0] != "characteristic" and not why:
         told[0] = f"design with {_in_words(rules[known[0]])} ({DESIGN_WITH[known[0]]})"
     words = f"{joint.locks} locks, e = {state.eccentricity:g} a: {'; '.join([*told, last])}.{why}"
-    return Answers(found, rules, f"{words} T0 = {joint.T0:.4g} N.")
+    return Answers(found, rules, f"{words} T0 = {four_digits(joint.T0)} N.")
 
 
 def _in_words(load: Peak | LawCapacity) -> str:
-    return f"V = {load.shear:.4g} N, M = {load.torque:.3g} N m"
+    return f"V = {four_digits(load.shear)} N, M = {four_digits(load.torque)} N m"
 
 
 def results(state: Settings, found: Answers, counted: Counted | None = None) -> dict[str, Figure]:

@@ -14,6 +14,7 @@ from analysis.figures import REVISED, followed_models, shown_samples, style
 from analysis.figures.style import FigureData
 from sidmacib.drawing import GREY, vm_axes, vm_curve
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.quantities import four_digits
 from workflow.case import REFERENCE
 
 
@@ -55,8 +56,8 @@ def options(material: FigureData) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}SiDMACIB, {joint.locks} locks, every lock counting: exact "
-        f"envelopes, overload {overload:g} N; {'ΣT0' if joint.different else 'n·T0'} = "
-        f"{math.fsum(joint.strengths):g} N. {style.ASSUMED_POINTS} "
+        f"envelopes, overload {four_digits(overload)} N; {'ΣT0' if joint.different else 'n·T0'} = "
+        f"{four_digits(math.fsum(joint.strengths))} N. {style.ASSUMED_POINTS} "
         f"{material.assumed_geometry}",
     )
     return figure

@@ -19,6 +19,7 @@ from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.quantities import four_digits
 from workflow.case import JointSubject
 
 X, Y, Z = range(3)
@@ -66,7 +67,7 @@ def joint(material: FigureData) -> Figure:
         f"{drawn.locks} numbered locks, b = {MM * drawn.b:g} mm each; sizes in mm. Blue: upper "
         "block, loaded by V at the eccentricity e, so by the torque M = V e. Grey: lower block, "
         "held. Each lock is bonded to its own block by its inner face; all its other faces are "
-        f"dry. Strength of a lock: T0 = cohesion times a b = {drawn.T0:.4g} N. "
+        f"dry. Strength of a lock: T0 = cohesion times a b = {four_digits(drawn.T0)} N. "
         f"{material.assumed_geometry}",
         height=0.2,
     )

@@ -18,6 +18,7 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.results import disagreement
 from sidmacib.models import REFERENCE_MODEL, first_failure_only
 from sidmacib.problem import Failures
+from sidmacib.quantities import four_digits
 from workflow.case import REFERENCE
 
 # Smaller errors count as none: the distinct elements' peaks are not known more accurately.
@@ -320,8 +321,8 @@ def _at(row: Any) -> str:
     """V of a row in pure shear, M in torsion, both in between; with the direction."""
     ratio = row.eccentricity_over_a
     if math.isinf(ratio):
-        return "no answer" if math.isnan(row.shear_N) else f"M {row.torque_Nm:.4g}"
-    loads = f"V {row.shear_N:.4g}" + (f" M {row.torque_Nm:.4g}" if ratio else "")
+        return "no answer" if math.isnan(row.shear_N) else f"M {four_digits(row.torque_Nm)}"
+    loads = f"V {four_digits(row.shear_N)}" + (f" M {four_digits(row.torque_Nm)}" if ratio else "")
     loads = "no answer" if math.isnan(row.shear_N) else loads
     return f"{loads} at {direction_words(ratio)}" if ratio else loads
 

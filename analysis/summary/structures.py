@@ -11,6 +11,7 @@ from analysis.summary import varied
 from sidmacib.answers.verdict import Verdict, on_all
 from sidmacib.engines.results import disagreement
 from sidmacib.problem import FIRST_FAILURE, Failures
+from sidmacib.quantities import digits
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
@@ -74,7 +75,7 @@ def measured_lines(measured: pd.DataFrame) -> Iterator[tuple[str, str]]:
         ]
         yield (
             name if pd.isna(first["specimen"]) else f"{name}, {first['specimen']}",
-            f"measured {first['measured_load_N']:.5g} N{scatter}, "
+            f"measured {digits(first['measured_load_N'], 5)} N{scatter}, "
             f"{', '.join(ratios) or 'no model has a load'}; {first['source']}",
         )
 
@@ -89,7 +90,7 @@ def _of_supports(table: pd.DataFrame) -> Iterator[str]:
         yield from ("", f"{structure}, support that moves: {varied(load, variant)}")
         yield f"  {'answer':16}{heads[0]:>16}{heads[1]:>16}  note"
         for row in rows.to_dict("records"):
-            numbers = ["-" if pd.isna(row[k]) else f"{row[k]:.5g}" for k in columns]
+            numbers = ["-" if pd.isna(row[k]) else digits(row[k], 5) for k in columns]
             yield f"  {row['answer']:16}{numbers[0]:>16}{numbers[1]:>16}  {row['note']}"
 
 
@@ -104,7 +105,7 @@ def _line(row: Mapping[str, Any]) -> str:
         value, share = row["tilt_degrees"], ""
     apart = row["difference_to_static"]
     return (
-        f"  {row['model']:10}{value:14.5g}{share:>13}"
+        f"  {row['model']:10}{digits(value, 5):>14}{share:>13}"
         f"{'' if pd.isna(apart) else f'{100 * apart:+.2f} %':>11}  {'; '.join(_notes(row))}"
     )
 

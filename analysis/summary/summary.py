@@ -16,6 +16,7 @@ from analysis.summary import (
 from analysis.summary.earthquakes import summary as earthquakes_summary
 from analysis.summary.structures import summary as structures_summary
 from sidmacib.models import LAWS, first_failure_only
+from sidmacib.quantities import digits
 from workflow.case import REFERENCE
 from workflow.results.tables import read_tables
 from workflow.step import Arguments, Files, step
@@ -81,7 +82,7 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
         yield f"  {'quantity':44}{'mesh m':>7}{'published':>11}{heads}"
         for line in part.lines:
             cells = "".join(
-                f"{line.rows[s].computed:>12.5g}{difference_text(line.rows[s]):>9}"
+                f"{digits(line.rows[s].computed, 5):>12}{difference_text(line.rows[s]):>9}"
                 if s in line.rows
                 else " " * 21
                 for s in part.samples
@@ -121,7 +122,10 @@ def _loads(rows: pd.DataFrame, samples: Sequence[str]) -> Iterator[str]:
     shown = rows[rows["sample"].isin(there)]
     for ratio, own in shown.groupby("eccentricity_over_a"):
         known = own.dropna(subset=["shear_N"]).itertuples()
-        loads = {row.sample: f"{row.shear_N:>12.5g}{row.torque_Nm:>10.5g}" for row in known}
+        loads = {
+            row.sample: f"{digits(row.shear_N, 5):>12}{digits(row.torque_Nm, 5):>10}"
+            for row in known
+        }
         cells = "".join(loads.get(sample, f"{'-':>12}{'-':>10}") for sample in there)
         yield f"  {'torsion' if ratio == np.inf else f'{ratio:g}':<8}{cells}".rstrip()
 

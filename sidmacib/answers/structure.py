@@ -36,6 +36,7 @@ from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.solution import Equilibrium, Mode, OtherSearches, Solver
 from sidmacib.mechanics.static import peak_of, solver_of
 from sidmacib.problem import UNKNOWN, Counts, Failures, MeshErrors, Problem
+from sidmacib.quantities import four_digits
 from sidmacib.structure.analysis.limit import LimitTilt, limit_mesh_error, limit_or_tilt
 from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined, with_dry_joints
@@ -178,7 +179,7 @@ class _UpTo(OtherSearches):
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
     ) -> Equilibrium:
         if load > self.most:
-            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+            raise NoEquilibriumError(f"no equilibrium at {four_digits(load)} N")
         return self.solver.solve(load, guess, state, thorough=thorough)
 
 

@@ -111,7 +111,7 @@ def effect_rows(
     where = ", ".join(
         f"root of lock {locks[face]}" if face in locks else face for face in found.faces
     )
-    loads = f"V = {found.shear:.4g} N, M = {found.torque:.4g} N m"
+    loads = f"V = {four_digits(found.shear)} N, M = {four_digits(found.torque)} N m"
     rows = [
         {
             "parameter": each.name,

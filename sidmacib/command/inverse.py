@@ -14,7 +14,7 @@ from sidmacib.drawing import GREEN, ORANGE
 from sidmacib.joint import Joint
 from sidmacib.joint.loading import Push
 from sidmacib.joint.parameters import PARAMETERS, SIZES
-from sidmacib.quantities import Number, number_in, shown
+from sidmacib.quantities import Number, four_digits, number_in, shown
 from sidmacib.rule.inverse import (
     MOST,
     VARIED,
@@ -152,7 +152,7 @@ def note_of(each: Candidate, values: Mapping[str, Sequence[float]]) -> str:
         return each.reason
     words = _answer(each)
     if not each.meets:
-        most = f"at most {each.shear or 0.0:.4g} N, {each.torque or 0.0:.4g} N m"
+        most = f"at most {four_digits(each.shear or 0.0)} N, {four_digits(each.torque or 0.0)} N m"
         return words if each.exact else f"{words}: {most}"
     ends = [
         name

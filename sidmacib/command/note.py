@@ -28,6 +28,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import AMOUNTS, Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.joint.parameters import PARAMETERS
+from sidmacib.quantities import four_digits
 from sidmacib.rule import (
     MOVES,
     JointFailure,
@@ -72,8 +73,8 @@ class Case:
     def both(self, load: float) -> str:
         """A load along the direction as V and M, in the units that were asked for."""
         shear, torque = load * self.direction.shear, load * self.direction.torque * self.joint.a
-        parts = [f"V = {shear:.4g} N"] if self.direction.shear else []
-        return in_asked_words(", ".join([*parts, f"M = {torque:.4g} N m"]))
+        parts = [f"V = {four_digits(shear)} N"] if self.direction.shear else []
+        return in_asked_words(", ".join([*parts, f"M = {four_digits(torque)} N m"]))
 
 
 def write_note(case: Case, path: Path) -> None:
@@ -226,7 +227,7 @@ def _checks(case: Case, resistance: float) -> Iterator[Cells]:
 def _ratio(what: str, over: str, one: float, under: str, other: float) -> Cells:
     """The check that ``one`` load (N) is at most the ``other``."""
     symbols = f"<i>F</i><sub>{over}</sub> / <i>F</i><sub>{under}</sub>"
-    formula = Formula(f"{symbols} = {one:.4g} N / {other:.4g} N")
+    formula = Formula(f"{symbols} = {four_digits(one)} N / {four_digits(other)} N")
     kept = "verified" if one <= other else "NOT verified"
     return what, formula, f"{one / other:.3f}", f"≤ 1: {kept}"
 

@@ -333,7 +333,7 @@ def curves(rows: Sequence[Row], title: str, note: str, *, joined: bool = True) -
 def note_of(joint: Joint) -> str:
     """Sizes of a joint whose capacities are drawn, and which of the picture is computed."""
     sizes = ", ".join(f"{name} = {1e3 * getattr(joint, name):g}" for name in ("a", "b", "h", "H"))
-    return f"{sizes} mm; T0 = {joint.T0:.4g} N; M = V e.\nOnly the points are computed."
+    return f"{sizes} mm; T0 = {four_digits(joint.T0)} N; M = V e.\nOnly the points are computed."
 
 
 def require_answer(rows: Sequence[Row]) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.quantities import is_number
+from sidmacib.quantities import four_digits, is_number
 from sidmacib.validation import refused
 
 NEAREST = 1e-12  # over a: a point that is nearer to the lock's middle lies in it, but for rounding
@@ -135,6 +135,6 @@ def _require_alike(joint: Joint, rule: str) -> None:
     low, high = min(joint.strengths), max(joint.strengths)
     if not math.isclose(low, high):
         raise ValueError(
-            f"different: a strength from {low:g} to {high:g} N is not allowed with {rule}, which "
-            "counts locks; it must be the same for all"
+            f"different: a strength from {four_digits(low)} to {four_digits(high)} N is not "
+            f"allowed with {rule}, which counts locks; it must be the same for all"
         )

@@ -24,6 +24,7 @@ from sidmacib.mechanics.in_plane import Reduced
 from sidmacib.mechanics.limit import CALM, FALLS, LimitState, limit_load, solved
 from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.twist import Resultants, Twist
+from sidmacib.quantities import four_digits
 
 SLOPE = 0.01  # of the limit, over the friction coefficient
 STEP = 0.6  # weight of the last round's normal forces, against those of the round before
@@ -110,7 +111,7 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         )
     raise SolverError(
         f"{WITHOUT_DILATION}: rounds do not settle; the last {len(last)} go from "
-        f"{last[0].load:.4g} to {last[-1].load:.4g} N"
+        f"{four_digits(last[0].load)} to {four_digits(last[-1].load)} N"
     )
 
 

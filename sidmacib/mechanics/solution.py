@@ -9,6 +9,7 @@ import numpy as np
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
+from sidmacib.quantities import four_digits
 
 LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 LEAST_INCREMENT = 1e-5  # over the load: precision of the first failure and of the peak
@@ -144,8 +145,8 @@ class SmallMotions(OtherSearches):
         self.exceeded = found.rotation > self.rotation or found.opening > self.opening
         if self.exceeded:
             raise NoEquilibriumError(
-                f"at {load:g} N a piece turns by {found.rotation:.2g} rad, and a face opens by "
-                f"{found.opening:.2g} m"
+                f"at {four_digits(load)} N a piece turns by {found.rotation:.2g} rad, and a face "
+                f"opens by {found.opening:.2g} m"
             )
         return found
 

@@ -30,6 +30,7 @@ from sidmacib.mechanics.loads import Loads
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.solution import MOVED, Mode, Solver
 from sidmacib.mechanics.static import first_failure_of, solver_of
+from sidmacib.quantities import four_digits
 from sidmacib.rule.pairs import bearing_pairs
 from sidmacib.rule.spans import STIFF, require_covered, require_row, spans_of
 
@@ -314,8 +315,8 @@ def _settles(loads: Sequence[float]) -> bool:
 
 def _unsettled(loads: Sequence[float]) -> str:
     return (
-        f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
-        f"{max(loads):.4g} N; use the static model"
+        f"safe: the first failure depends too much on the mesh: from {four_digits(min(loads))} to "
+        f"{four_digits(max(loads))} N; use the static model"
     )
 
 

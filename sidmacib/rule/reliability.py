@@ -28,6 +28,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.solution import Mode
+from sidmacib.quantities import four_digits
 from sidmacib.rule import JointFailure, LawCapacity, capacity_of, first_failure, safe, weakened
 from sidmacib.rule.spans import require_covered
 from sidmacib.validation import refused, require_positive
@@ -97,8 +98,8 @@ def scatter(
     state = first_failure(joint, Loading(direction, push=push))
     if state.mode is not Mode.BONDS:
         raise CapacityError(
-            f"scatter: {joint.locks} locks move away ({state.mode}) at {state.load:.4g} N, before "
-            "a bond fails; their strengths do not decide"
+            f"scatter: {joint.locks} locks move away ({state.mode}) at {four_digits(state.load)} "
+            "N, before a bond fails; their strengths do not decide"
         )
     return Scatter(state.load, state.bonds, variation)
 

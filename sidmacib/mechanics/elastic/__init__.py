@@ -39,6 +39,7 @@ from sidmacib.mechanics.solution import (
     farthest_motion,
     lifted_part,
 )
+from sidmacib.quantities import four_digits
 
 GIB = 2.0**30
 BYTES = 8.0  # of a number
@@ -171,7 +172,7 @@ class ElasticSolver(Solver):
                     "density, which may be small"
                 )
         if found is None:
-            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+            raise NoEquilibriumError(f"no equilibrium at {four_digits(load)} N")
         return found
 
     def _from_nothing(self, guess: Floats, state: NodeState) -> bool:

@@ -45,6 +45,7 @@ from sidmacib.mechanics.static.path import (
     redistributed,
 )
 from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
+from sidmacib.quantities import four_digits
 from sidmacib.validation import require_positive
 
 FEWEST = 8.0  # increments to the end of a path that is compared: a few agree by chance
@@ -195,7 +196,9 @@ def _softened(solver: Solver, assembly: Assembly, loads: Loads) -> StaticSolutio
     while increment > LEAST_SOFTENING_INCREMENT * path[-1].load:
         low = path[-1]
         if low.load > MOST_LOAD * scale:
-            raise UnboundedError(f"no peak up to {low.load:g} N: the load can grow without limit")
+            raise UnboundedError(
+                f"no peak up to {four_digits(low.load)} N: the load can grow without limit"
+            )
         load = low.load + increment
         try:
             point = softened_equilibrium(

@@ -14,6 +14,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Solver
+from sidmacib.quantities import four_digits
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
@@ -70,9 +71,8 @@ class _Rise:
         path, failing = self.path, self._failing()
         while failing is None:
             if path[-1].load > MOST_LOAD * self.solver.scale:
-                raise UnboundedError(
-                    f"no failure up to {path[-1].load:g} N: the load can grow without limit"
-                )
+                last = four_digits(path[-1].load)
+                raise UnboundedError(f"no failure up to {last} N: the load can grow without limit")
             failing = self._failing() if self._goes_on() else np.zeros(len(path[-1].force), bool)
         return path, failing
 

@@ -25,6 +25,7 @@ from sidmacib.mechanics.assembly import Assembly, Failure, Floats
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.quantities import four_digits
 
 GONE = 1e-5  # a smaller fraction of a bond's stiffness counts as 0
 SOFTENING_ROUNDS = 300  # in which the stiffness of the bonds must converge at a load
@@ -96,4 +97,4 @@ def softened_equilibrium(
         if np.all(state.whole - left <= SOFTENING_SETTLED * state.whole):
             return point
         state, guess = replace(state, whole=left), point.unknowns
-    raise NoEquilibriumError(f"bonds keep softening at {load:g} N")
+    raise NoEquilibriumError(f"bonds keep softening at {four_digits(load)} N")
