@@ -34,6 +34,7 @@ from sidmacib.mechanics.solution import (
     farthest_motion,
     lifted_part,
 )
+from sidmacib.quantities import four_digits
 
 # Unbalanced force over the loads, at equilibrium; and where faces are so stiff that they carry the
 # rounding of displacements.
@@ -42,9 +43,10 @@ RESIDUAL, RESIDUAL_OF_STIFF = 1e-10, 1e-8
 # stiffest face, at least: less is lost in rounding.
 FLOOR, LEAST_FLOOR = 1e-10, 1e-14
 DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than holds them
-# Of the assembly's length: the largest step of a path, how far a piece may drift to rest, and how
-# far it is moved before, so that it does not stay where rest is not stable.
-LEAP, FAR, NUDGE = 0.01, 0.05, 1e-9
+# Of the assembly's length: the largest step of a path; that of pieces that bonds keep near, where
+# one is sought thoroughly; how far a piece may drift to rest, and how far it is moved before, so
+# that it does not stay where rest is not stable.
+LEAP, LONGEST_LEAP, FAR, NUDGE = 0.01, 0.1, 0.05, 1e-9
 DRAG_AT_START = 0.1  # over the stiffness of the stiffest face, on pieces that drift
 AT_FIRST = 1e-3  # of the loads' scale: what may hold pieces that slide where nothing pushes
 PUSHED = 1e-3  # of the assembly's length: how far pieces are followed that move away
@@ -161,20 +163,23 @@ class RigidSolver(Solver):
         here, solved = self.here, (self.contacts, self.matrix, self.here, target)
         limits = self.floor, allowed, self.largest_step
         nodes = begin, slip, state.whole, limits
-        found = newton(*solved, *nodes, QUICK) or newton(*solved, *nodes, PATIENT)
+        rounds = thorough and not self.drifts  # which find what patience would
+        found = newton(*solved, *nodes, QUICK)
+        found = found or (not rounds and newton(*solved, *nodes, PATIENT))
         if found:
-            found = float(np.abs(here.unknowns - begin).max()) <= LEAP * self.size
+            leap = LONGEST_LEAP if rounds else LEAP
+            found = float(np.abs(here.unknowns - begin).max()) <= leap * self.size
             found = found and not (self.careful and self._falls(target, slip, state.whole))
         if not found and thorough and self.drifts:
             drifts = DRAG_AT_START * self.stiffness, self.floor, allowed, FAR * self.size
             found = settled(*solved, begin + self.nudge, slip, state.whole, drifts)
             found = found and not self._falls(target, slip, state.whole)
-        elif not found and thorough:
+        elif not found and rounds:
             at_nodes = slip, state.whole, self.stiffness
             found = by_rounds(EquilibriumSearch(*solved, *at_nodes, *limits), begin)
             found = found and not (self.careful and self._falls(target, slip, state.whole))
         if not found:
-            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+            raise NoEquilibriumError(f"no equilibrium at {four_digits(load)} N")
         return self._found(load, slip, state)
 
     def at_displacement(

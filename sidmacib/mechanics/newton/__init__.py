@@ -22,6 +22,7 @@ from sidmacib.mechanics.newton.vectors import norm
 
 STEPS = 60  # at most
 STALLED = 30  # steps in which the unbalanced forces must halve
+LOST = 10.0  # times the unbalanced forces at first: pieces that have turned far do not come back
 # The least fraction of a step, and how many steps may be longer than allowed.
 QUICK, PATIENT = (0.1, 0), (0.01, 3)
 CONTROLLED = 1e-9  # of a motion that is given: how far an equilibrium may be from it
@@ -83,7 +84,7 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
     (floor, allowed, largest_step), (least_share, most_far), far = limits, patience, 0
     size = put_at(contacts, slip, whole, target, here, guess)
     step = np.empty_like(here.unknowns)
-    best, stalled = size, 0
+    best, first, stalled = size, size, 0
     for _ in range(STEPS):
         if size <= allowed:
             return True
@@ -105,6 +106,8 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
             size = stepped(contacts, slip, whole, target, here, start, step, share)
         if size > before:
             size = stepped(contacts, slip, whole, target, here, start, step, 1.0)
+            if not size <= LOST * first:
+                break
     return False
 
 

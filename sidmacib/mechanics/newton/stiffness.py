@@ -74,7 +74,8 @@ def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, rise):
     flying off, and changes no equilibrium. ``rise``: 0 leaves out how friction rises with pressure;
     the matrix is then symmetric at equilibrium.
     """
-    k, blocks = np.empty((6, 6)), np.empty((2, 2, 6, 6))
+    k, blocks, rows = np.empty((6, 6)), np.empty((2, 2, 6, 6)), np.empty((2, 6, 6))
+    begin, share, over = contacts.begin, contacts.share, 1.0 / contacts.length
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
     matrix.band[:, contacts.band] = floor
     for i in range(contacts.outer):
@@ -86,7 +87,7 @@ def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, rise):
     for piece in range(len(here.turn)):
         if target.levers[piece].any():
             subtract_lever(contacts, piece, target.levers[piece], here.turn[piece], matrix)
-    for face in range(len(contacts.begin)):
+    for face in range(len(begin)):
         now = k
         if is_whole(contacts, face, whole):
             now = contacts.whole[face]
@@ -99,9 +100,11 @@ def tangent_stiffness(contacts, slip, whole, target, here, floor, matrix, rise):
                 here.tangent[1, i] *= rise
                 here.tangent[2, i] *= rise
             face_stiffness(contacts, face, here.along[face], here.tangent, k)
-        by_pieces(contacts, face, now, here, blocks)
-        add_turns(contacts, face, here, blocks)
-        add_face(contacts, matrix, face, blocks)
+        # Arrays for one face at a time: to find them among all takes longer than to use them.
+        ends, frame, arms = begin[face], here.frame[face], here.arms[face]
+        by_pieces(ends, frame, arms, over, now, rows, blocks)
+        add_turns(ends, frame, arms, here.sums[face], share, over, rows, blocks)
+        add_face(ends, contacts.inner, contacts.band, matrix, blocks)
 
 
 @compiled
@@ -128,10 +131,13 @@ def whole_faces(contacts, here):
 
 
 @compiled
-def by_pieces(contacts, face, k, here, blocks):
-    """Turn the stiffness ``k`` by the face's motion into ``blocks`` by the two pieces' unknowns."""
-    axes, rows, columns = here.frame[face], np.empty((6, 6)), np.empty((6, 6))
-    over = 1.0 / contacts.length
+def by_pieces(ends, axes, arms, over, k, scratch, blocks):
+    """Turn the stiffness ``k`` by the face's motion into ``blocks`` by the two pieces' unknowns.
+
+    ``ends``, ``axes``, ``arms``: of the face, see `sidmacib.mechanics.newton.faces`. ``over``: 1
+    over the length (1/m). ``scratch``: (2, 6, 6), overwritten.
+    """
+    rows, columns = scratch[0], scratch[1]
     for i in range(6):
         rows[i, 0], rows[i, 1], rows[i, 2] = together(axes, k[i, 0], k[i, 1], k[i, 2])
         rows[i, 3], rows[i, 4], rows[i, 5] = together(axes, k[i, 3], k[i, 4], k[i, 5])
@@ -143,8 +149,8 @@ def by_pieces(contacts, face, k, here, blocks):
             axes, rows[3, j], rows[4, j], rows[5, j]
         )
     for right in range(2):
-        if contacts.begin[face, right] >= 0:
-            moved, lever = rows, here.arms[face, right]
+        if ends[right] >= 0:
+            moved, lever = rows, arms[right]
             for i in range(6):
                 a, b, c = cross(lever, (columns[i, 0], columns[i, 1], columns[i, 2]))
                 moved[i, 0], moved[i, 1], moved[i, 2] = columns[i, 0], columns[i, 1], columns[i, 2]
@@ -152,9 +158,9 @@ def by_pieces(contacts, face, k, here, blocks):
                 moved[i, 4] = over * (columns[i, 4] + b)
                 moved[i, 5] = over * (columns[i, 5] + c)
             for left in range(2):
-                if contacts.begin[face, left] >= 0:
+                if ends[left] >= 0:
                     sign, block = 1.0 if left == right else -1.0, blocks[left, right]
-                    lever, turn = here.arms[face, left], sign * over
+                    lever, turn = arms[left], sign * over
                     for j in range(6):
                         a, b, c = cross(lever, (moved[0, j], moved[1, j], moved[2, j]))
                         block[0, j], block[1, j] = sign * moved[0, j], sign * moved[1, j]
@@ -164,8 +170,8 @@ def by_pieces(contacts, face, k, here, blocks):
 
 
 @compiled
-def add_turns(contacts, face, here, blocks):
-    """Add to ``blocks`` what forces of ``face`` that stay change as frame and arms turn and move.
+def add_turns(ends, frame, arms, sums, share, over, scratch, blocks):
+    """Add to ``blocks`` what forces of a face that stay change as frame and arms turn and move.
 
     With f the force on the piece above, at the arms r from its centroid and s from that of the
     piece below, and w the ``share`` of this in how frames turn, f changes by psi x f, and the
@@ -176,12 +182,10 @@ def add_turns(contacts, face, here, blocks):
 
         psi = w phi_below + (1 - w) phi_above,   u = (1 - w) phi_below x s + w phi_above x r
 
-    the second with opposite sign.
+    the second with opposite sign. Arguments of `by_pieces`, and the ``sums`` of the face's forces.
     """
-    frame, sums, over = here.frame[face], here.sums[face], 1.0 / contacts.length
     force = together(frame, sums[0, 0], sums[0, 1], sums[0, 2])
-    lower, upper = np.empty((3, 3)), np.empty((3, 3))  # sums of arm times force, below and above
-    rows = np.empty((3, 3))
+    lower, upper, rows = scratch[0, :3], scratch[0, 3:], scratch[1]  # arm times force; below, above
     for j in range(3):
         rows[j, 0], rows[j, 1], rows[j, 2] = together(
             frame, sums[1 + j, 0], sums[1 + j, 1], sums[1 + j, 2]
@@ -189,14 +193,14 @@ def add_turns(contacts, face, here, blocks):
     for k in range(3):
         column = together(frame, rows[0, k], rows[1, k], rows[2, k])
         for j in range(3):
-            lower[j, k] = column[j] + here.arms[face, 0, j] * force[k]
-            upper[j, k] = column[j] + here.arms[face, 1, j] * force[k]
+            lower[j, k] = column[j] + arms[0, j] * force[k]
+            upper[j, k] = column[j] + arms[1, j] * force[k]
     for left in range(2):
-        sign, moves = 2.0 * left - 1.0, abs(left - contacts.share)
+        sign, moves = 2.0 * left - 1.0, abs(left - share)
         for right in range(2):
-            if contacts.begin[face, left] >= 0 and contacts.begin[face, right] >= 0:
+            if ends[left] >= 0 and ends[right] >= 0:
                 block, square = blocks[left, right], sign * over * over
-                turns = abs(right - contacts.share)
+                turns = abs(right - share)
                 add_cross(block, 0, 3, force, sign * turns * over)
                 add_cross(block, 3, 0, force, (1.0 - 2.0 * right) * moves * over)
                 add_square(block, upper if right else lower, (turns - 1.0) * square, False)
@@ -246,13 +250,13 @@ def subtract_lever(contacts, piece, levers, turn, matrix):
 
 
 @compiled
-def add_face(contacts, matrix, face, blocks):
-    """Add ``blocks`` of the pieces below and above ``face``, (2, 2, 6, 6), to ``matrix``."""
-    inner, band, border, below = contacts.inner, matrix.band, matrix.right, matrix.below
+def add_face(ends, inner, width, matrix, blocks):
+    """Add ``blocks`` of the pieces at the ``ends`` of a face, (2, 2, 6, 6), to ``matrix``."""
+    band, border, below = matrix.band, matrix.right, matrix.below
     for left in range(2):
-        row = contacts.begin[face, left]
+        row = ends[left]
         for right in range(2):
-            column = contacts.begin[face, right]
+            column = ends[right]
             if row < 0 or column < 0:
                 continue
             # A loop each, not one with a choice inside: several times faster.
@@ -265,7 +269,7 @@ def add_face(contacts, matrix, face, blocks):
                     for j in range(6):
                         border[row + i, column - inner + j] += blocks[left, right, i, j]
             else:
-                first = contacts.band + column - row
+                first = width + column - row
                 for i in range(6):
                     for j in range(6):
                         band[row + i, first - i + j] += blocks[left, right, i, j]
