@@ -12,6 +12,8 @@ from command_runner import assembly, run
 from conftest import ROOT
 from structures import CUBE, PUSH
 
+from sidmacib.quantities import four_digits
+
 PUSHED: dict[str, Any] = {**CUBE, "load": {**PUSH, "newtons": "4kN"}}
 DESIGN = "--gamma-g", "0.9", "--gamma-q", "1.5", "--gamma-m", "1.2"
 JOINT = "capacity", "-m", "law", "-e", "0.3", "-V", "100", "--gamma-m", "1.5"
@@ -49,6 +51,23 @@ def test_checks_have_a_formula_with_numbers_a_result_and_what_follows(notes: Pat
     assert (what, check) == ("Load carried: static model, peak", "≥ 1: verified")
     assert (formula, result) == ("FR / FE = 7358 N / 6000 N", "1.23")
     assert checks((notes / "joint.html").read_text())[-1][1].startswith("FE / FR = ")
+
+
+def test_loads_of_large_joints_have_no_exponents(tmp_path: Path) -> None:
+    note = tmp_path / "note.html"
+    large = "-a", "1.2", "-b", "0.6", "-h", "0.2", "-H", "0.4", "--cohesion", "8e5"
+    made = run(*JOINT, "--scatter", "0.2", *large, "--note", str(note))
+    assert made.exit_code == 0, made.output
+    numbers = re.findall(r"[\d.]+e[+]\d+", note.read_text() + made.output)
+    assert set(numbers) <= {"1e+10"}  # the stiffness
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(9999.4, "9999"), (9999.7, "10000"), (-103208.4, "-103208"), (2e9, "2e+09")],
+)
+def test_four_digits_grow_to_all_before_the_point(value: float, words: str) -> None:
+    assert four_digits(value) == words
 
 
 @pytest.mark.parametrize("name", ["cube", "joint"])

@@ -200,7 +200,7 @@ def _locks(state: JointFailure, joint: Joint) -> list[Cells]:
         for each in (state.force_x, state.force_y, state.torque)
     )
     return [
-        (lock, f"{x[k]:.4g}", f"{y[k]:.4g}", f"{turn[k]:.3g}", f"{used:.3f}")
+        (lock, *map(four_digits, (x[k], y[k], turn[k])), f"{used:.3f}")
         for k, (lock, used) in enumerate(zip(joint.numbers, state.utilisation, strict=True))
         if used >= least
     ]

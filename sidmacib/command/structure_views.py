@@ -183,7 +183,7 @@ def structure_note(views: Views, rows: Sequence[Row], command: str, inputs: Sequ
     forces_of = "no model has an answer"
     if drawn.load is not None:
         forces_of = f"{MODELS[drawn.model].label}; {in_asked_words(drawn.load_words)}"
-    failing = [f"{name} ({load:.4g} {drawn.raised.unit})" for name, load in drawn.failing]
+    failing = [f"{name} ({four_digits(load)} {drawn.raised.unit})" for name, load in drawn.failing]
     asked, laws = in_asked_units(rows), [*_laws(assembly.faces)]
     if "case" in rows[0]:  # what stands in the checks would make the table too wide for a page
         asked = [{name: row[name] for name in OF_CASES} for row in asked]
@@ -237,7 +237,7 @@ def _laws(faces: Iterable[Face]) -> Iterator[Cells]:
         yield (
             KINDS[kind],
             len(own),
-            f"{sum(own):.4g}",
+            four_digits(sum(own)),
             f"{law.friction:.4g}",
             f"{law.cohesion / 1e3:.4g}",
             f"{law.tensile_strength / 1e3:.4g}",

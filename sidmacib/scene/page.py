@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from sidmacib.errors import lacks
-from sidmacib.quantities import four_digits
+from sidmacib.quantities import digits
 
 HERE = Path(__file__).parent
 SCRIPTS = ("chart.js", "parts.js", "structure.js", "report.js", "address.js")
@@ -60,7 +60,7 @@ def rendered(template: Path, **words: Any) -> str:
     """
     folders = FileSystemLoader([HERE, template.parent])
     environment = Environment(loader=folders, undefined=StrictUndefined, autoescape=True)
-    environment.filters["four_digits"] = four_digits
+    environment.filters["digits"] = digits
     given = {"version": version("multilock"), "validated": VALIDATED}
     return environment.get_template(template.name).render(**given | words)
 
