@@ -21,7 +21,7 @@ from sidmacib.errors import (
     UnboundedError,
 )
 from sidmacib.mechanics.solution import Mode
-from sidmacib.quantities import four_digits
+from sidmacib.quantities import digits, four_digits
 
 BY_LIMIT = "limit analysis"
 MOST_CASES = 3  # that are named
@@ -151,7 +151,7 @@ def _by_static(newtons: float, static: Answer, most: float | None) -> Verdict:
 
 def factor_of(value: float) -> str:
     """Three digits of a factor, or as many as tell it from 1."""
-    shown = (f"{value:.{digits}g}" for digits in range(3, 7))
+    shown = (digits(value, count) for count in range(3, 7))
     return next((each for each in shown if each != "1"), "1")
 
 
