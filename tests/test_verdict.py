@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 import pytest
+import yaml
 from click.testing import CliRunner
 from command_runner import answers, assembly, run
 from conftest import ROOT, run_study
@@ -106,6 +107,14 @@ def test_only_numbers_before_a_unit_that_was_asked_for_change(units: str, words:
         say("1500 N at (0, -2, 1) m, 3 N m, 4 N/m2, v5 N", "table")
 
     assert CliRunner().invoke(told, ["--units", units]).output == f"{words}\n"
+
+
+def test_names_with_numbers_stay_as_they_are(path: Path) -> None:
+    blocks = {"ground": CUBE["blocks"]["ground"], "pier 2 m": CUBE["blocks"]["cube"]}
+    path.write_text(yaml.safe_dump({**CUBE, "blocks": blocks, "load": {**PUSH, "newtons": 5000}}))
+    found = run("assembly", str(path), "--units", "kN,mm").stdout
+    assert found.startswith("Yes: it carries 5 kN")
+    assert "largest displacement: pier 2 m\n" in found
 
 
 def test_numbers_of_loads_that_look_wrong_are_noted(path: Path) -> None:

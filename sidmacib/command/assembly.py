@@ -23,7 +23,15 @@ from sidmacib.command.in_time import (
     time_rows,
     yade_row,
 )
-from sidmacib.command.output import draw, require_answer, say, status_line, text_of, write_text
+from sidmacib.command.output import (
+    draw,
+    keep_names,
+    require_answer,
+    say,
+    status_line,
+    text_of,
+    write_text,
+)
 from sidmacib.command.seismic import answer, checked, seismic_note, seismic_picture, seismic_rows
 from sidmacib.command.structures import (
     curve_rows,
@@ -165,6 +173,9 @@ def passes(wanted: Wanted) -> bool:
         wanted.description, wanted.file.parent, in_time=True, factors=wanted.factors
     )
     first = demands[0]
+    built, cases = first.problem.assembly, [demand.case or "" for demand in demands]
+    pieces, faces = [each.name for each in built.pieces], [each.name for each in built.faces]
+    keep_names((*pieces, *faces, *cases))
     if wanted.engines and not isinstance(first.problem.loads, SupportMotion | TimeLoads):
         raise click.UsageError("--model: is for a support that moves, or ground that does")
     wanted = replace(wanted, notes=notes_on(wanted.description, first.problem.assembly))

@@ -8,7 +8,7 @@ import math
 import re
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -33,7 +33,8 @@ FORMATS = ("table", "json", "csv")
 PATIENCE = 5.0  # s
 SENTENCES = ("note", "notes", "answer")
 SET_BY_OPTIONS = "blocks", "interfaces", "tolerance"  # sections of a structure's file
-UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
+# In the context of a command: units of its answer, see `text_of`, and names that have numbers.
+UNITS, NAMES = "multilock.units", "multilock.names"
 # Of models, as in the figures of studies.
 COLOURS = {name: model.colour for name, model in MODELS.items()}
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -130,8 +131,11 @@ def in_asked_units(rows: Sequence[Row]) -> list[Row]:
 
 
 def in_asked_words(words: str) -> str:
-    """``words`` with numbers and vectors in the units that were asked for, in four digits."""
-    asked = _asked_units()
+    """``words`` with numbers and vectors in the units that were asked for, in four digits.
+
+    Names of `keep_names` stay as they are.
+    """
+    asked, names = _asked_units(), _in_context(NAMES, ())
 
     def converted(found: re.Match[str]) -> str:
         if found["unit"] not in asked:
@@ -140,14 +144,28 @@ def in_asked_words(words: str) -> str:
         numbers = _NUMBER.sub(lambda each: four_digits(float(each[0]) / size), found["numbers"])
         return f"{numbers} {unit}"
 
-    return _MEASURED.sub(converted, words)
+    if not names:
+        return _MEASURED.sub(converted, words)
+    parts = re.split(f"({'|'.join(map(re.escape, names))})", words)
+    parts[::2] = [_MEASURED.sub(converted, part) for part in parts[::2]]
+    return "".join(parts)
+
+
+def keep_names(names: Iterable[str]) -> None:
+    """Keep those of ``names`` in which a number has a unit, such as block "pier 2 m"."""
+    measured = {name for name in names if _MEASURED.search(name)}
+    click.get_current_context().meta[NAMES] = sorted(measured, key=len, reverse=True)
 
 
 def _asked_units() -> Mapping[str, tuple[str, float]]:
     """The unit that was asked for in place of an SI unit, and its size."""
-    context = click.get_current_context(silent=True)
-    found: Mapping[str, tuple[str, float]] = (context and context.meta.get(UNITS)) or {}
+    found: Mapping[str, tuple[str, float]] = _in_context(UNITS, {})
     return found
+
+
+def _in_context(key: str, otherwise: Any) -> Any:
+    context = click.get_current_context(silent=True)
+    return context.meta.get(key, otherwise) if context else otherwise
 
 
 def cell(value: Any) -> str:
