@@ -154,7 +154,7 @@ class SmallMotions(OtherSearches):
 def farthest_motion(motion: Floats) -> tuple[float, float]:
     """The largest rotation and displacement in a ``motion`` of pieces, (6 P,), in its units."""
     each = motion.reshape(-1, 2, 3)
-    moved, turned = np.linalg.norm(each, axis=2).max(axis=0)
+    moved, turned = np.sqrt((each * each).sum(axis=2).max(axis=0))
     return float(turned), float(moved)
 
 

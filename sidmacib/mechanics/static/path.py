@@ -54,7 +54,8 @@ class _Rise:
     The increment is halved where no equilibrium is found, as Newton's method may fail from afar and
     converge from nearby, and doubled again where one is. If it becomes too small, the path goes to
     its top by displacements that are given; there, or if that fails, the solver is thorough.
-    ``above``: an equilibrium at which a bond is overstressed. ``lost``: the least load at which the
+    ``above``: an equilibrium at which a bond is overstressed. ``used``, ``used_above``: how far
+    strengths are used at the end of the path and there. ``lost``: the least load at which the
     thorough solver found none.
     """
 
@@ -63,6 +64,7 @@ class _Rise:
         self.increment = self.largest = refinement * INCREMENT * solver.scale
         self.thorough = self.top = False
         self.over = 0
+        self.used = self.used_above = self._used(self.path[-1])
         self.above: Equilibrium | None = None
         self.lost = math.inf
 
@@ -84,15 +86,25 @@ class _Rise:
 
     def _failing(self) -> Flags | None:
         """The nodes that fail at the end of the path; None if it goes on."""
-        low, used = self.path[-1], self._used(self.path[-1])
+        low, used = self.path[-1], self.used
         deep = low.closing >= DEEP * self.solver.size
         if self.solver.finite and (deep or low.rotation >= FARTHEST_TURN):
             return np.zeros(len(low.force), bool)
         if (most := used.max()) >= 1.0 - LEAST_INCREMENT:
             return np.asarray(used >= most * (1.0 - TOGETHER))
         if self.above and self.above.load - low.load <= self._least(self.above.load):
-            return np.asarray(self._used(self.above) >= 1.0)
+            return np.asarray(self.used_above >= 1.0)
         return None
+
+    def _add(self, point: Equilibrium) -> bool:
+        """Add ``point`` to the path; if a bond is overstressed, it is `above` that."""
+        used = self._used(point)
+        if used.max() > 1.0:
+            self.above, self.used_above = point, used
+            return False
+        self.path.append(point)
+        self.used = used
+        return True
 
     def _goes_on(self) -> bool:
         """Add an equilibrium at a higher load, or shorten the increment; whether that is left."""
@@ -105,7 +117,7 @@ class _Rise:
         if not self.thorough and increment <= least:
             self.thorough = True
             self.top = self.solver.drifts and _to_the_top(self.solver, self.path)
-            low = self.path[-1]
+            low, self.used = self.path[-1], self._used(self.path[-1])
             ends = self._failing() is not None
             again = self.top and abs(low.load - self.solver.fell) <= SAME_TOP * self.solver.fell
             if ends or again:
@@ -124,10 +136,8 @@ class _Rise:
             self.increment = (load - low.load) / 2
             self.lost = load if self.thorough else self.lost
             return True
-        if self._used(point).max() > 1.0:
-            self.above = point
+        if not self._add(point):
             return True
-        self.path.append(point)
         largest = self.refinement * max(INCREMENT * self.solver.scale, GROWTH * load)
         self.increment = min(2 * increment, largest)
         if self.top:  # pieces have come to rest elsewhere: the path goes on from there
@@ -146,10 +156,7 @@ class _Rise:
         except NoEquilibriumError:
             return False
         self.lost, self.increment = math.inf, load - low.load
-        if self._used(point).max() > 1.0:
-            self.above = point
-        else:
-            self.path.append(point)
+        if self._add(point):
             self.thorough, self.increment = False, self.largest
         return True
 
@@ -158,7 +165,7 @@ class _Rise:
         if self.above is None:
             return load
         low, above = self.path[-1], self.above
-        most, most_above = self._used(low).max(), self._used(above).max()
+        most, most_above = self.used.max(), self.used_above.max()
         share = (1.0 - most) / (most_above - most) if np.isfinite(most_above) else 0.5
         near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
         return min(load, max(near, low.load + self._least(above.load) / 2))
