@@ -63,10 +63,14 @@ def cells_of(joint: Joint, mesh: float) -> float:
     return math.sqrt(along * across)
 
 
-def kind_of(loads: Iterable[tuple[float, float | None]]) -> LoadKind:
-    """The kind of the loads (N) of a joint on several meshes, each with its first failure."""
+def kind_of(loads: Iterable[tuple[float, float | None]], *, moves: bool = False) -> LoadKind:
+    """The kind of the loads (N) of a joint on several meshes, each with its first failure.
+
+    ``moves``: whether blocks move before a bond fails. What friction did before then decides, as
+    behind a first failure.
+    """
     late = any(first is not None and load > first * (1.0 + BEHIND) for load, first in loads)
-    return LoadKind.LATE_PEAK if late else LoadKind.PEAK
+    return LoadKind.LATE_PEAK if late or moves else LoadKind.PEAK
 
 
 def mesh_errors(

@@ -64,6 +64,7 @@ def test_a_peak_counts_as_late_where_it_is_behind_the_first_failure_on_one_mesh(
     assert kind_of([(100.1, 100.0), (101.0, 100.9)]) is LoadKind.PEAK
     assert kind_of([(100.0, 100.0), (101.0, 100.0)]) is LoadKind.LATE_PEAK
     assert kind_of([(100.0, None)]) is LoadKind.PEAK
+    assert kind_of([(100.0, 100.0)], moves=True) is LoadKind.LATE_PEAK
 
 
 # --- the second mesh -----------------------------------------------------------------------------

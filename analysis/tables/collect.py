@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.solution import Mode
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from sidmacib.problem import UNKNOWN, MeshErrors
@@ -159,8 +160,9 @@ def _errors_of_one(records: Sequence[JointRecord]) -> dict[float, MeshErrors]:
     """Mesh errors of results of one joint and model, by mesh (m)."""
     layout = NodeLayout(records[0].part.nodes)
     loads = {r.part.cells: r.load_N for r in records if r.load_N is not None}
-    kind = kind_of((r.load_N, r.first_failure_load_N) for r in records if r.load_N is not None)
-    load = mesh_errors(loads, layout, kind)
+    moves = any(r.mode not in (None, Mode.BONDS) for r in records)
+    both = [(r.load_N, r.first_failure_load_N) for r in records if r.load_N is not None]
+    load = mesh_errors(loads, layout, kind_of(both, moves=moves))
     known = {r.part.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
     first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
     return {

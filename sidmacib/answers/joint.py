@@ -10,7 +10,7 @@ from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.solution import MOVED, Equilibrium, Mode, StaticSolution
 from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.static.peaks import lowest_peak
-from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
+from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
 
 # Coarse and fine mesh over the shorter side of a lock; both give the mesh error on the fine one.
 # Elastic pieces take much longer.
@@ -91,17 +91,16 @@ def joint_answer(joint: Joint, loading: Loading) -> JointAnswer:
 def joint_mesh_error(joint: Joint, loading: Loading) -> float | None:
     """The mesh error of the load of `joint_answer`, over it; None where nothing is carried.
 
-    From the coarse mesh, too. Where a joint moves before a bond fails, what its friction did before
-    decides, on two meshes alike by chance: there from one of half the size as well, as of a late
-    peak. Errors of `joint_answer`.
+    From the coarse mesh, too. Where a joint moves before a bond fails, two meshes may agree by
+    chance: there, for rigid pieces, from one of half the size as well. Errors of `joint_answer`.
     """
     (coarse, fine), found = meshes(joint), joint_answer(joint, loading).solution
-    moves = found.mode is not Mode.BONDS and not joint.elastic
-    others = (coarse, fine / 2) if moves else (coarse,)
+    moves = found.mode is not Mode.BONDS
+    others = (coarse, fine / 2) if moves and not joint.elastic else (coarse,)
     every = {fine: found, **{each: lowest_peak(*posed(joint, loading, each)) for each in others}}
     loads = {cells_of(joint, mesh): float(each.peak.load) for mesh, each in every.items()}
     if not min(loads.values()) > 0.0:
         return None
-    kind = kind_of((each.peak.load, each.first_failure_load) for each in every.values())
-    kind = LoadKind.LATE_PEAK if moves else kind
+    both = [(each.peak.load, each.first_failure_load) for each in every.values()]
+    kind = kind_of(both, moves=moves)
     return mesh_errors(loads, NodeLayout.LOBATTO, kind)[cells_of(joint, fine)]
