@@ -13,7 +13,7 @@ from analysis.summary.structures import measured_lines, structure_disagreement, 
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import FIRST_FAILURE
-from sidmacib.quantities import four_digits
+from sidmacib.quantities import digits, four_digits
 from sidmacib.scene.drawn import points_of, shape_of
 from sidmacib.scene.forces import arrows_of, forces_of
 from sidmacib.structure.analysis.forces import InterfaceRow
@@ -139,7 +139,7 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
 def _of_model(row: Mapping[str, Any]) -> str:
     """The load of a model that counts with its mesh error, and the other one that it found."""
     notes, error = [label_of(row["model"]).name], row["mesh_error"]
-    first, peak = f"{four_digits(row['first_failure_load_N'])} N", f"{four_digits(row['peak_N'])} N"
+    first, peak = f"{digits(row['first_failure_load_N'], 5)} N", f"{digits(row['peak_N'], 5)} N"
     if pd.notna(row["tilt_degrees"]):
         first = f"{row['first_failure_tilt_degrees']:.5g} degrees"
         peak = f"{row['peak_tilt_degrees']:.5g} degrees"

@@ -47,7 +47,7 @@ def signatures() -> dict[Any, Signature]:
         least_energy.product: (row, row),
         least_energy.allowed_at: (row, float64, float64),
         least_energy.least_energy: (*solved, *nodes, four),
-        newton.newton: (*solved, *nodes, three, types.Tuple((float64, int64))),
+        newton.newton: (*solved, *nodes, three, types.Tuple((float64, int64, float64))),
         kernels._utilisation: (row, row, row, row, table, float64),
         kernels.forces_and_tangents: (table, table, row, table),
     }

@@ -15,7 +15,7 @@ from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.contact_law.kernels import NORMAL
 from sidmacib.mechanics.equilibrium import RIGID, face_axes, free_rows, row_units, soft_law
 from sidmacib.mechanics.loads import Loads
-from sidmacib.mechanics.newton import PATIENT, QUICK, controlled, elastic, newton, put_at
+from sidmacib.mechanics.newton import LOST, PATIENT, QUICK, controlled, elastic, newton, put_at
 from sidmacib.mechanics.newton.drift import falls, pushed, settled
 from sidmacib.mechanics.newton.faces import (
     Applied,
@@ -164,8 +164,9 @@ class RigidSolver(Solver):
         limits = self.floor, allowed, self.largest_step
         nodes = begin, slip, state.whole, limits
         rounds = thorough and not self.drifts  # which find what patience would
-        found = newton(*solved, *nodes, QUICK)
-        found = found or (not rounds and newton(*solved, *nodes, PATIENT))
+        lost = math.inf if self.drifts else LOST
+        found = newton(*solved, *nodes, (*QUICK, lost))
+        found = found or (not rounds and newton(*solved, *nodes, (*PATIENT, lost)))
         if found:
             leap = LONGEST_LEAP if rounds else LEAP
             found = float(np.abs(here.unknowns - begin).max()) <= leap * self.size

@@ -22,7 +22,7 @@ from sidmacib.mechanics.newton.vectors import norm
 
 STEPS = 60  # at most
 STALLED = 30  # steps in which the unbalanced forces must halve
-LOST = 10.0  # times the unbalanced forces at first: pieces that have turned far do not come back
+LOST = 10.0  # times the unbalanced forces at first: pieces that bonds keep near do not come back
 # The least fraction of a step, and how many steps may be longer than allowed.
 QUICK, PATIENT = (0.1, 0), (0.01, 3)
 CONTROLLED = 1e-9  # of a motion that is given: how far an equilibrium may be from it
@@ -78,10 +78,11 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
     ``matrix`` and ``here`` are overwritten. ``slip``, ``whole``: of the nodes. ``limits``: the
     floor of `tangent_stiffness` (N/m) and the largest norms of unbalanced forces (N) and of a step
     (m). A step that does not reduce the unbalanced forces is halved. ``patience``: the least
-    fraction of a step, and the number of steps that may exceed the limit, as pieces that come loose
-    may return. Returns whether equilibrium was found.
+    fraction of a step, the number of steps that may exceed the limit, as pieces that come loose may
+    return, and how far unbalanced forces may grow, over those at first. Returns whether equilibrium
+    was found.
     """
-    (floor, allowed, largest_step), (least_share, most_far), far = limits, patience, 0
+    (floor, allowed, largest_step), (least_share, most_far, lost), far = limits, patience, 0
     size = put_at(contacts, slip, whole, target, here, guess)
     step = np.empty_like(here.unknowns)
     best, first, stalled = size, size, 0
@@ -106,7 +107,7 @@ def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience)
             size = stepped(contacts, slip, whole, target, here, start, step, share)
         if size > before:
             size = stepped(contacts, slip, whole, target, here, start, step, 1.0)
-            if not size <= LOST * first:
+            if not size <= lost * first:
                 break
     return False
 

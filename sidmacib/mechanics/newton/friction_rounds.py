@@ -20,7 +20,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law.kernels import FRICTION, GIVEN
-from sidmacib.mechanics.newton import QUICK, newton, put_at
+from sidmacib.mechanics.newton import LOST, QUICK, newton, put_at
 from sidmacib.mechanics.newton.faces import Applied, ContactFaces, Point
 from sidmacib.mechanics.newton.least_energy import allowed_at, least_energy, product
 from sidmacib.mechanics.newton.linear import Matrix
@@ -61,7 +61,7 @@ class EquilibriumSearch:
         allowed = allowed_at(unknowns, self.stiffness, self.allowed)
         arrays = self.contacts, self.matrix, self.here
         nodes = self.target, unknowns, self.slip, self.whole
-        return bool(newton(*arrays, *nodes, (self.floor, allowed, self.farthest), QUICK))
+        return bool(newton(*arrays, *nodes, (self.floor, allowed, self.farthest), (*QUICK, LOST)))
 
     def with_given_limits(self, unknowns: Floats, limits: Floats) -> bool:
         """Move ``here`` to the minimum of the energy with friction ``limits`` (N), (N,).

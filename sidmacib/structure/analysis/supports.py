@@ -54,7 +54,7 @@ FIRST = 0.1  # of the movement that the softest joint makes under the weight
 GROWTH = 1.3  # of the movement from one equilibrium to the next
 SETTLED = 0.01  # of the drop to the least reaction: what may be left of it
 SMALL = 0.01  # of the assembly's length: largest movement
-STUCK = 1e3  # friction coefficient of a joint that does not slide
+STUCK = 100.0  # friction coefficient of a joint that does not slide
 
 
 @dataclass(frozen=True, eq=False)
