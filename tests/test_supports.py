@@ -259,6 +259,14 @@ def test_a_block_on_a_support_that_turns_falls_when_its_weight_leaves_its_foot(
     assert math.tan(path.movement[-1]) == pytest.approx(0.5 / 1.2, rel=2e-3)
 
 
+def test_what_only_the_moving_support_carries_does_not_stand_without_it() -> None:
+    ground = box("ground", (-1, -1, -1), (2, 1, 0), 2e3, fixed=True)
+    model = structure([ground, box("block", (0, 0, 0), (0.5, 0.4, 1.0), 2e3)], dry(0.5))
+    loads = support_moves(model, "ground", (1, 0, 0))
+    kinematics = Kinematics(model, loads)
+    assert not kinematics.stands_without(loads.support, kinematics.start())
+
+
 @pytest.mark.engine
 def test_a_beam_falls_in_yade_when_its_support_has_moved_by_the_overlap() -> None:
     found = yade_answer(structure_of(drawn_away(6.0, 0.05, friction=0.1)))

@@ -19,7 +19,7 @@ from scipy.sparse import csr_array, eye_array, kron
 
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.design import Layout, WeightsSection
-from sidmacib.mechanics.admissible import Balance, in_units, within
+from sidmacib.mechanics.admissible import balanced, in_units, within
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, NodeLayout
 from sidmacib.mechanics.contact_law import Cone, ContactLaw
 from sidmacib.mechanics.crushing import crushed_faces
@@ -210,10 +210,12 @@ def case_forces(
     scaled = Cone(cone.held / unit, cone.slope, cone.torn / unit)
     most = structure.portions @ strength
     loads = case.loads.permanent, case.load * case.loads.variable
-    in_rows = (each.ravel()[structure.free] / structure.row_scale for each in loads)
+    permanent, variable = (each.ravel()[structure.free] / structure.row_scale for each in loads)
     either = (locks <= most, -locks <= most)
     constraints = [
-        Balance(structure.at_nodes, *in_rows).holds(nodes, factor, structure.at_locks @ locks),
+        balanced(
+            structure.at_nodes, nodes, permanent + factor * variable, structure.at_locks @ locks
+        ),
         *within(scaled, nodes[:, 0], nodes[:, 1:], np.arange(len(cone.held))),
         *either,
     ]

@@ -1,6 +1,6 @@
 """The programme of limit analysis: forces that an assembly admits, in units of about 1.
 
-`Balance` and `within` are the equilibrium and the cones of finite motion and of designs, too.
+`balanced` and `within` are the equilibrium and the cones of finite motion and of designs, too.
 """
 
 from collections.abc import Collection, Iterator
@@ -27,23 +27,14 @@ from sidmacib.mechanics.twist import Twist
 LARGEST = 10.0  # approximate force of a node over its share of the scale, where forces concentrate
 
 
-@dataclass(frozen=True, eq=False)
-class Balance:
-    """Equilibrium of what can move, in units, see `in_units`.
-
-    ``matrix``: by the forces, (R, C). ``permanent``, ``variable``: the loads they balance, (R,).
-    """
-
-    matrix: csr_array
-    permanent: Floats
-    variable: Floats
-
-    def holds(
-        self, forces: cp.Variable, load: cp.Expression | float, others: cp.Expression | float = 0.0
-    ) -> cp.Constraint:
-        """The ``forces``, and ``others`` along the rows, balance the loads at a ``load``."""
-        acting = self.matrix @ cp.vec(forces, order="C") + others
-        return acting == self.permanent + load * self.variable
+def balanced(
+    matrix: csr_array,
+    forces: cp.Variable,
+    loads: cp.Expression | Floats,
+    others: cp.Expression | float = 0.0,
+) -> cp.Constraint:
+    """The ``forces``, and ``others`` along the rows, balance ``loads``, (R,); see `in_units`."""
+    return matrix @ cp.vec(forces, order="C") + others == loads
 
 
 def in_units(matrix: csr_array, rows: Floats, forces: Floats) -> csr_array:
@@ -52,7 +43,7 @@ def in_units(matrix: csr_array, rows: Floats, forces: Floats) -> csr_array:
     ``forces``: a unit for each node, contact or lock, which has one column or three.
     """
     row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    columns = np.repeat(forces, matrix.shape[1] // len(forces))
+    columns = np.repeat(forces, matrix.shape[1] // max(len(forces), 1))
     data = matrix.data / rows[row] * columns[matrix.indices]
     return csr_array((data, matrix.indices, matrix.indptr), matrix.shape)
 
@@ -113,13 +104,13 @@ def admissible(
     locks, others = np.flatnonzero(law.locked), np.flatnonzero(~law.locked[reduced.nodes])
     every = equilibrium_matrix(assembly)
     C = reduced.equations(in_units(every[free_rows(assembly)], units.row, units.node))
-    balance = Balance(C, *map(reduced.left_of, scaled_loads(assembly, loads, units)))
+    p, q = map(reduced.left_of, scaled_loads(assembly, loads, units))
     scaled = Cone(cone.held / units.node, cone.slope, cone.torn / units.node)
     places, s = reduced.at_places(forces), reduced.at_nodes(forces)
     s_n, s_t = s[:, 0], s[:, 1:]
     constraints = [
         # ``s`` acts on the pieces above, C is for those below: hence no minus.
-        balance.holds(forces, load),
+        balanced(C, forces, p + load * q),
         *within(scaled.at(reduced.nodes), places[:, 0], places[:, 1:], others),
     ]
     if driven is not None:

@@ -30,7 +30,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
-from sidmacib.mechanics.admissible import Balance, in_units, within
+from sidmacib.mechanics.admissible import balanced, in_units, within
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import Cone
 from sidmacib.mechanics.crushing import crushed_faces
@@ -186,7 +186,7 @@ class Kinematics:
         every = contacts.matrix(placed.centre)
         M = in_units((directions @ every).tocsr(), units, np.full(len(contacts.gap), scale))
         load, s = cp.Variable(), cp.Variable((len(contacts.gap), 3))
-        balance = Balance(M, -permanent / units, -driving * unit / units).holds(s, load)
+        balance = balanced(M, s, -permanent / units - load * (driving * unit / units))
         objective = cp.Maximize(load - contacts.gap / closing @ s[:, 0])
         solve(cp.Problem(objective, [balance, *_admissible(contacts, s)]), WHAT, *ACCURACIES)
         multipliers = balance.dual_value / units
@@ -207,11 +207,11 @@ class Kinematics:
         rows, scale = free_rows(self.assembly), self.loads.scale
         units, of_forces = scale * row_units(self.assembly), np.full(len(contacts.gap), scale)
         s = cp.Variable((len(contacts.gap), 3))
-        permanent = -self._permanent(here.placed).ravel()[rows] / units
+        permanent = self._permanent(here.placed).ravel()[rows] / units
         M = in_units(contacts.matrix(here.placed.centre)[rows], units, of_forces)
-        balance = Balance(M, permanent, 0.0 * permanent).holds(s, 0.0)
         try:
-            problem = cp.Problem(cp.Minimize(0), [balance, *_admissible(contacts, s)])
+            constraints = [balanced(M, s, -permanent), *_admissible(contacts, s)]
+            problem = cp.Problem(cp.Minimize(0), constraints)
             solve(problem, WHAT, *ACCURACIES)
         except InfeasibleError:
             return False
