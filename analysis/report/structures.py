@@ -115,7 +115,7 @@ def supports_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
         reaction, unit = ("reaction_Nm", "N m") if turns else ("reaction_N", "N")
         moved = f"{last['movement_degrees']:.4g}°" if turns else f"{last['movement_m']:.4g} m"
         least = rows.loc[rows["answer"].eq(LEAST), reaction].iloc[0]
-        text = f"Reaction drops to {least:.4g} {unit}; after {moved}: {last['note']}."
+        text = f"Reaction drops to {four_digits(least)} {unit}; after {moved}: {last['note']}."
         found.append(finding(name, text))
     return found
 
@@ -159,9 +159,8 @@ def _answer(row: Mapping[str, Any]) -> str | None:
     if pd.isna(row["load_N"]):
         return None
     share = row["load_over_weight"]
-    return f"{four_digits(row['load_N'])} N" + (
-        "" if pd.isna(share) else f", {share:.4g} of the weight"
-    )
+    load = f"{four_digits(row['load_N'])} N"
+    return load if pd.isna(share) else f"{load}, {share:.4g} of the weight"
 
 
 def _without(table: pd.DataFrame) -> Iterator[dict[str, str]]:

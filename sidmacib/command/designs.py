@@ -7,6 +7,7 @@ import numpy as np
 
 from sidmacib.command.answers import Row
 from sidmacib.design.designed import Design
+from sidmacib.quantities import four_digits
 
 
 def verdict(design: Design) -> str:
@@ -100,4 +101,4 @@ def _names(design: Design, blocks: tuple[int, ...]) -> list[str]:
 
 
 def _short(factor: float) -> str:
-    return "unlimited" if math.isinf(factor) else f"{factor:.4g}"
+    return "unlimited" if math.isinf(factor) else four_digits(factor)

@@ -144,9 +144,7 @@ def in_asked_words(words: str) -> str:
         numbers = _NUMBER.sub(lambda each: four_digits(float(each[0]) / size), found["numbers"])
         return f"{numbers} {unit}"
 
-    if not names:
-        return _MEASURED.sub(converted, words)
-    parts = re.split(f"({'|'.join(map(re.escape, names))})", words)
+    parts = re.split(f"({'|'.join(map(re.escape, names))})", words) if names else [words]
     parts[::2] = [_MEASURED.sub(converted, part) for part in parts[::2]]
     return "".join(parts)
 
